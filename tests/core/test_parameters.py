@@ -19,7 +19,6 @@ from pawnb.core.parameters import (
     parameters_set,
     read_parameters,
 )
-from pawnb.core.paws.offline.stride import plausibility_kernels
 from pawnb.core.paws.offline.stride.parameters import STRIDE, StrideParameters
 from pawnb.core.paws.tracker import trackers
 from pawnb.errors import InputError
@@ -68,10 +67,9 @@ def test_every_parameter_is_recorded_and_has_its_words(tracker, stage):
 
 
 def test_constants_are_those_that_the_modules_assign():
-    found = constants_of("pawnb.core.paws.offline")["stride.plausibility_kernels"]
-    # read off the file: five numbers that are compiled into its loops
-    assert set(found) == {"_ABOVE", "_WITHIN", "_RIDE", "_BELOW", "_STRANGEST"}
-    assert found["_ABOVE"] == plausibility_kernels._ABOVE == 0.6
+    found = constants_of("pawnb.core.paws.offline")["stride.trajectory_kernels"]
+    # read off the file: two steps by which it takes differences
+    assert found == {"_H": 0.05, "_H_SHAPE": 0.02}
 
 
 ROOMS = (

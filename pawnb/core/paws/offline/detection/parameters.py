@@ -74,6 +74,26 @@ class ColourParameters:
         speaks for paws there; so many times of it are taken off. Set by hand.
     detector_share : float
         Share of mask about a pixel that is neither an end nor further along a limb. Set by hand.
+    share_spread : float
+        Difference of that share over which a pixel turns from an end into none. Set by hand.
+    ends_apart : float
+        Two ends are no nearer to each other than this, in reaches of the search. Set by hand.
+    score_blur_px : float
+        Standard deviation, px, of what takes the noise of single pixels out of a score. Set by
+        hand.
+    least_behind : float
+        Mask about an end, in squares of the reach, below which it is a speck. Set by hand.
+    direction_usual, direction_gain : float
+        What an end that points across where limbs tend to end counts, and how much more or less one
+        that points there or back: that is a heel, an elbow or the tail's. Set by hand.
+    least_likeness : float
+        However little a detection looks like a paw, it counts this much. Set by hand.
+    reduced_paw_px : float
+        Pictures are reduced until a paw is about so many pixels thick. Set by hand.
+    search_reach : float
+        Half the side of the square in which an end is looked for, in paw widths. Set by hand.
+    most_found : int
+        Detections usually kept in one picture. Set by hand.
     looked_at : int
         Ends in one picture that are looked at closely. Set by hand.
     least_change : float
@@ -109,6 +129,9 @@ class ColourParameters:
         this near to it.
     scan_follow : float
         Share by which the searched region follows the detections from frame to frame. Set by hand.
+    scan_most_step : float
+        The region moves by no more than that share of so much of half its width a frame. Set by
+        hand.
     scan_stride : int
         Frames between those in which the animal is sought back from the clicks: the region follows
         over twice as many. Set by hand.
@@ -148,6 +171,16 @@ class ColourParameters:
     about_px: int = 45
     colour_quantisation_less: float = 1.5
     detector_share: float = 0.34
+    share_spread: float = 0.03
+    ends_apart: float = 0.7
+    score_blur_px: float = 0.6
+    least_behind: float = 0.25
+    direction_usual: float = 0.8
+    direction_gain: float = 0.6
+    least_likeness: float = 0.05
+    reduced_paw_px: float = 6.0
+    search_reach: float = 0.85
+    most_found: int = 16
     looked_at: int = 60
     least_change: float = 0.07
     most_change: float = 4.0
@@ -163,6 +196,7 @@ class ColourParameters:
     look_px: int = 16
     touch_px: int = 2
     scan_follow: float = 0.06
+    scan_most_step: float = 0.1
     scan_stride: int = 8
     most_faint: int = 24
     in_hand: int = 2

@@ -19,7 +19,7 @@ from pawnb.core.paws.offline.gap_closing.mht_kernels import (
     TargetModel,
     run_mht,
 )
-from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters, mht_parameters
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.rejection import frames_to_reassociate, runs
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras
@@ -181,9 +181,10 @@ def close_gaps(
 def _mht_parameters(motion_model: MotionModel) -> MHTParameters:
     """Return the parameters for points that move so."""
     fps = motion_model.fps
-    return MHTParameters(
+    return mht_parameters(
         jerk=motion_model.jerk, impulse=GAP_CLOSING.gap_closing_kick * motion_model.speed,
-        noise=0.25 * motion_model.paw_width, reach=1.5 * motion_model.body_scale,
+        noise=GAP_CLOSING.certain_sd * motion_model.paw_width,
+        reach=GAP_CLOSING.reach * motion_model.body_scale,
         rising=max(1, round(GAP_CLOSING.rising_s * fps)),
         swinging=round(GAP_CLOSING.swinging_s * fps),
     )  # fmt: skip
@@ -223,7 +224,7 @@ class _GapCloser:
         motion_model = self.substrate.motion_model
         state, covariance = state_after(
             self.state.chosen[gap.before, point], gap.way * motion_model.substrate_velocity,
-            parameters=self.parameters, speed=0.4 * motion_model.speed,
+            parameters=self.parameters, speed=GAP_CLOSING.unknown_speed * motion_model.speed,
         )  # fmt: skip
         due = self._due(point, gap)
         edge, standing = self._standing(point, gap, is_told=due is not None)
@@ -350,7 +351,8 @@ class _GapCloser:
 def _appearance_cost(detection_probability: np.ndarray) -> np.ndarray:
     """Return what speaks against detections for how much they look like paws."""
     return np.asarray(
-        -GAP_CLOSING.gap_closing_look * np.log(np.clip(detection_probability, 0.02, 1.0))
+        -GAP_CLOSING.gap_closing_look
+        * np.log(np.clip(detection_probability, GAP_CLOSING.least_detection_probability, 1.0))
     )
 
 

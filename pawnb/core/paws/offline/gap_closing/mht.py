@@ -15,6 +15,7 @@ import numpy as np
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
 _GAIN = np.array([[1 / 6], [0.5], [1.0]])
 """How a change of acceleration in one frame changes place, speed and acceleration."""
@@ -59,8 +60,8 @@ def process_noise_of(
     return ProcessNoise(
         # how a paw lifts off is known better than how it is kicked
         plain[lower],
-        (4.0 * plain + impulse)[lower],
-        (4.0 * plain + parameters.lifting**2 * impulse)[lower],
+        (GAP_CLOSING.mht_kicked * plain + impulse)[lower],
+        (GAP_CLOSING.mht_kicked * plain + parameters.lifting**2 * impulse)[lower],
         substrate_velocity,
         liftoff_velocity,
         (parameters.hold * parameters.noise) ** 2,
@@ -92,7 +93,9 @@ def state_after(
         Alike in every direction.
     """
     mean = np.stack([places[0], substrate_velocity, np.zeros(places.shape[1])])
-    P = np.diag([parameters.noise**2, speed**2, (3.0 * parameters.jerk) ** 2])
+    P = np.diag(
+        [parameters.noise**2, speed**2, (GAP_CLOSING.mht_start_acceleration * parameters.jerk) ** 2]
+    )
     _follow(mean, P, places, parameters.jerk**2 * _GAIN @ _GAIN.T, parameters.noise**2)
     return mean, P
 

@@ -23,11 +23,6 @@ from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras, allocate
 from pawnb.core.paws.offline.gap_closing.usual_region import UsualRegion, add_region_cost
 from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior, add_kinematic_cost
 
-_PRUNING_COST = 25.0
-"""Hypotheses dearer than the best by this are forgotten. Set by hand."""
-_OUT_OF_REACH_COST = 50.0
-"""Cost of a frame farther from where the stretch begins than a point goes. Set by hand."""
-
 
 class GapEvidence(NamedTuple):
     """What the frames of a stretch show; certain frames follow those that show detections.
@@ -229,7 +224,7 @@ def add_motion_cost(
         for i in range(d):
             square += (hypotheses.mean[i, b] - home[i]) ** 2
         if square > parameters.reach * parameters.reach:
-            hypotheses.cost[b] += _OUT_OF_REACH_COST
+            hypotheses.cost[b] += parameters.out_of_reach_cost
         recent[b] = 0 < hypotheses.since[b] <= parameters.swinging
         if certain:
             hypotheses.occluded[b] = False
@@ -301,7 +296,7 @@ def prune_and_merge(
     count, limit = 0, np.inf
     for b in range(n):
         left[b] = now.cost[b]
-        limit = min(limit, left[b] + _PRUNING_COST)
+        limit = min(limit, left[b] + parameters.pruning_cost)
     while count < parameters.most:
         best = 0
         for b in range(n):

@@ -72,6 +72,68 @@ class GapClosingParameters:
         Set by hand.
     no_paw : float
         What speaks against a wrist being the paw. Set by hand.
+    wrist_nearest, wrist_farthest : float
+        Detections at such distances from a paw that stands, in paw widths, may be its wrist. Set by
+        hand.
+    wrist_same : float
+        A detection is that of the frame before if it is within so many paw widths of where that was
+        to be. Set by hand.
+    wrist_risen : float
+        What has moved so many paw widths against the ground has left it, and may be the paw itself:
+        it goes up to where its wrist was. Set by hand.
+    certain_sd : float
+        Standard deviation of a place that is certain, in paw widths. Set by hand.
+    reach : float
+        A point goes no farther than so many body sizes while no tracklet is certain. Set by hand.
+    unknown_speed : float
+        Standard deviation of a speed of which nothing is known, in that of the fastest swings. Set
+        by hand.
+    least_detection_probability : float
+        Detections count as likely as this at least. Set by hand.
+    mht_impulse_cost : float
+        Cost of a kick. Costs are minus log-probabilities. Set by hand.
+    mht_good, mht_bad : float
+        Standard deviation of a detection, and of one that is half occluded or blurred, in paw
+        widths. Set by hand.
+    mht_bad_cost : float
+        Cost of a bad detection. Set by hand.
+    mht_clutter : float
+        Detections that are nothing, per square paw width. Set by hand.
+    mht_seen, mht_seen_across : float
+        Chance that a view sees the point: one that tracks it, and one from the other side. Set by
+        hand.
+    mht_occlusion_onset_cost, mht_occlusion_frame_cost : float
+        Cost of becoming occluded to all views that track the point, and of staying so for a frame.
+        Set by hand.
+    mht_reappearance_cost, mht_one_view_cost : float
+        Cost of coming out again, and of being seen by none but one of two views. Set by hand.
+    mht_sideways : float
+        Points change their speed so much less to the side than forward and up. Set by hand.
+    mht_hold, mht_slip : float
+        Standard deviation of where a point stands, and of what it moves there from frame to frame,
+        in that of a certain place. Set by hand.
+    mht_lifting : float
+        Standard deviation of how lift-off changes the speed, in that of a kick. Set by hand.
+    mht_kicked : float
+        Where a point is kicked or lifts off, the variance of what happens between frames is so many
+        times the usual one. Set by hand.
+    mht_start_acceleration : float
+        Standard deviation of the acceleration where a gap begins, in the usual change of it from
+        frame to frame. Set by hand.
+    mht_covered : float
+        Cost of standing where another paw covers the point. Set by hand.
+    mht_alike : float
+        Hypotheses nearer to each other than so many of their standard deviations are the same. Set
+        by hand.
+    mht_gate : float
+        Largest squared distance of a detection, in standard deviations. Set by hand.
+    mht_out_of_reach_cost : float
+        Cost of a frame farther from where the stretch begins than a point goes. Set by hand.
+    mht_pruning_cost : float
+        Hypotheses dearer than the best by this are forgotten. Set by hand.
+    mht_most, mht_most_within : int
+        Hypotheses kept from frame to frame, and from view to view within a frame: a paw that comes
+        out again costs much in the first view and made good by the next. Set by hand.
     region_least : int
         Certain frames from which it is learnt how far from the middle of the animal a point is. Set
         by hand.
@@ -118,6 +180,38 @@ class GapClosingParameters:
     followed_s: float = 0.03
     wrist_decoys_vague: float = 1.0
     no_paw: float = 30.0
+    wrist_nearest: float = 0.8
+    wrist_farthest: float = 2.5
+    wrist_same: float = 0.5
+    wrist_risen: float = 0.7
+    certain_sd: float = 0.25
+    reach: float = 1.5
+    unknown_speed: float = 0.4
+    least_detection_probability: float = 0.02
+    mht_impulse_cost: float = 2.0
+    mht_good: float = 0.15
+    mht_bad: float = 0.6
+    mht_bad_cost: float = 2.0
+    mht_clutter: float = 0.05
+    mht_seen: float = 0.7
+    mht_seen_across: float = 0.15
+    mht_occlusion_onset_cost: float = 2.0
+    mht_occlusion_frame_cost: float = 0.6
+    mht_reappearance_cost: float = 1.0
+    mht_one_view_cost: float = 0.2
+    mht_sideways: float = 0.3
+    mht_hold: float = 0.4
+    mht_slip: float = 0.1
+    mht_lifting: float = 0.5
+    mht_kicked: float = 4.0
+    mht_start_acceleration: float = 3.0
+    mht_covered: float = 0.6
+    mht_alike: float = 0.5
+    mht_gate: float = 16.0
+    mht_out_of_reach_cost: float = 50.0
+    mht_pruning_cost: float = 25.0
+    mht_most: int = 40
+    mht_most_within: int = 150
     region_least: int = 30
     region_tail: float = 0.02
     region_ahead: float = 0.25

@@ -11,9 +11,6 @@ from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import HypothesisBan
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 from pawnb.core.sorting_kernels import nth
 
-_GATE = 16.0
-"""Largest squared distance of a detection, in standard deviations. Set by hand."""
-
 
 class Cameras(NamedTuple):
     """The views.
@@ -128,6 +125,7 @@ def gate(
     at: np.ndarray,
     spread: tuple[float, float],
     extra: tuple[float, float],
+    within: float,
     pairs: Pairs,
 ) -> int:
     """Gate: find the pairs of a hypothesis and a detection that fit, and return how many there are.
@@ -140,6 +138,8 @@ def gate(
         The detections, px.
     spread, extra : tuple of float
         For a good and a bad detection its variance, px squared, and its cost.
+    within : float
+        Largest squared distance, in standard deviations.
     pairs : Pairs
         Where they go.
     """
@@ -158,7 +158,7 @@ def gate(
                 square = (seen.spread[2, b] + wide) * du * du - 2.0 * seen.spread[1, b] * du * dv
                 square += (seen.spread[0, b] + wide) * dv * dv
                 square *= inverse[k, b]
-                price[k, b] = 0.5 * square + base[k, b] if square <= _GATE else np.inf
+                price[k, b] = 0.5 * square + base[k, b] if square <= within else np.inf
         for b in range(n):
             best = min(price[0, b], price[1, b])
             if best < np.inf:
@@ -213,7 +213,7 @@ def associate(
     chance = parameters.seen if tracked_in_view else parameters.seen_across
     seen = project_hypotheses(now, n if len(at) else 0, cameras.table[view])
     spread = ((parameters.good * paw_width) ** 2, (parameters.bad * paw_width) ** 2)
-    count = gate(seen, at, spread, (0.0, parameters.bad_cost), pairs)
+    count = gate(seen, at, spread, (0.0, parameters.bad_cost), parameters.gate, pairs)
     nothing = np.log(parameters.clutter / paw_width**2 * 2.0 * np.pi / chance)
     for p in range(count):
         b = pairs.hypothesis[p]

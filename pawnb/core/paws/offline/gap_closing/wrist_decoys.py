@@ -17,7 +17,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
-from pawnb.core.paws.offline.gap_closing.wrist_kernels import follow
+from pawnb.core.paws.offline.gap_closing.wrist_kernels import WristGates, follow
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 
@@ -119,10 +119,20 @@ def follow_wrist_decoys(
                 count[:, v].copy(),
                 last,
                 uv[:, :, v].copy(),
-                float(paw_width_px[v]),
+                _gates(float(paw_width_px[v])),
                 steps,
                 near,
                 far,
             )
             found[:, p, v], away[:, p, v] = near, far
     return WristDecoys(found, away)
+
+
+def _gates(paw_width_px: float) -> WristGates:
+    """Return the distances, px, by which wrists are followed where paws are so wide."""
+    return WristGates(
+        GAP_CLOSING.wrist_nearest * paw_width_px,
+        GAP_CLOSING.wrist_farthest * paw_width_px,
+        GAP_CLOSING.wrist_same * paw_width_px,
+        GAP_CLOSING.wrist_risen * paw_width_px,
+    )

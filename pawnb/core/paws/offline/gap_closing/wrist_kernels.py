@@ -2,19 +2,30 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pawnb.core.compiled import compiled
 
-NEAREST, FARTHEST = 0.8, 2.5
-"""Detections at such distances from a paw that stands, in paw widths, may be its wrist. Set by
-hand."""
-ALIKE = 0.5
-"""A detection is that of the frame before if it is within so many paw widths of where that was to
-be. Set by hand."""
-RISEN = 0.7
-"""What has moved so many paw widths against the ground has left it, and may be the paw itself: it
-goes up to where its wrist was. Set by hand."""
+
+class WristGates(NamedTuple):
+    """Distances, px, by which wrists are followed; see the ``wrist_...`` of the stage.
+
+    Parameters
+    ----------
+    nearest, farthest : float
+        How near to a paw that stands its wrist may be, and how far from it.
+    same : float
+        How far what is followed may be from where it is expected.
+    risen : float
+        How far from the ground what is followed may be.
+    """
+
+    nearest: float
+    farthest: float
+    same: float
+    risen: float
 
 
 @compiled
@@ -23,7 +34,7 @@ def follow(
     count: np.ndarray,
     last: np.ndarray,
     stood: np.ndarray,
-    paw_width: float,
+    gates: WristGates,
     steps: int,
     found: np.ndarray,
     away: np.ndarray,
@@ -40,8 +51,8 @@ def follow(
         Last frame of each stance, at least 1.
     stood : ndarray, shape (S, 2, 2)
         Where the paw stood in that frame, px, and in the one before it.
-    paw_width : float
-        Of a paw, px.
+    gates : WristGates
+        Distances, px.
     steps : int
         Frames for which it is followed.
     found : ndarray of bool, shape (n, C)
@@ -53,26 +64,26 @@ def follow(
     for s in range(len(last)):
         t = last[s]
         for i in range(count[t]):
-            if not _is_apart(at[t, i], stood[s, 0], paw_width):
+            if not _is_apart(at[t, i], stood[s, 0], gates):
                 continue
             # what stays about a paw that stands goes with the ground, as that does
             for c in range(2):
                 substrate[c] = stood[s, 0, c] - stood[s, 1, c]
                 place[c] = at[t, i, c] - substrate[c]
-            k = _nearest(at[t - 1], count[t - 1], place, paw_width)
-            if k < 0 or not _is_apart(at[t - 1, k], stood[s, 1], paw_width):
+            k = _nearest(at[t - 1], count[t - 1], place, gates.same)
+            if k < 0 or not _is_apart(at[t - 1, k], stood[s, 1], gates):
                 continue
             speed[0], speed[1] = at[t, i, 0] - at[t - 1, k, 0], at[t, i, 1] - at[t - 1, k, 1]
             here = i
             for then in range(t + 1, min(t + 1 + steps, len(at))):
                 for c in range(2):
                     place[c] = at[then - 1, here, c] + speed[c]
-                k = _nearest(at[then], count[then], place, paw_width)
+                k = _nearest(at[then], count[then], place, gates.same)
                 if k < 0:
                     break
                 for c in range(2):
                     place[c] = at[t, i, c] + (then - t) * substrate[c]
-                if _distance(at[then, k], place) > RISEN * paw_width:
+                if _distance(at[then, k], place) > gates.risen:
                     break
                 found[then, k] = True
                 for c in range(2):
@@ -82,15 +93,15 @@ def follow(
 
 
 @compiled
-def _is_apart(at: np.ndarray, paw: np.ndarray, paw_width: float) -> bool:
+def _is_apart(at: np.ndarray, paw: np.ndarray, gates: WristGates) -> bool:
     """Tell whether a detection is near a paw, but not the paw."""
-    return NEAREST * paw_width < _distance(at, paw) < FARTHEST * paw_width
+    return gates.nearest < _distance(at, paw) < gates.farthest
 
 
 @compiled
-def _nearest(at: np.ndarray, count: int, place: np.ndarray, paw_width: float) -> int:
+def _nearest(at: np.ndarray, count: int, place: np.ndarray, within: float) -> int:
     """Return the detection nearest to a place, -1 where none is near."""
-    best, least = -1, ALIKE * paw_width
+    best, least = -1, within
     for i in range(count):
         away = _distance(at[i], place)
         if away < least:

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-FASTEST = 12.0
-"""Speed of the fastest swings, in spans per second. Set by hand."""
+from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 
 
 @dataclass(frozen=True)
@@ -46,4 +45,4 @@ class MotionModel:
     @property
     def fps(self) -> float:
         """Frames per second of a recording in which points move so."""
-        return FASTEST * self.body_scale / self.speed
+        return MOVEMENT.fastest * self.body_scale / self.speed

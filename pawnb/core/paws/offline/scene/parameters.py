@@ -39,6 +39,8 @@ class MovementParameters:
     treadmill_rows : float
         A view from below shows left and right paws in two rows this far apart, in distances of
         front from hind paws; from the side, however steep, the far ones are less high. Set by hand.
+    fastest : float
+        Speed of the fastest swings, in spans per second. Set by hand.
     around_share : float
         Side of the square that tells a grey paw's surroundings, as a share of the picture's width.
         Set by hand.
@@ -57,6 +59,7 @@ class MovementParameters:
     treadmill_beside: float = 0.35
     beside_strange: float = 0.8
     treadmill_rows: float = 0.25
+    fastest: float = 12.0
     around_share: float = 0.06
 
 

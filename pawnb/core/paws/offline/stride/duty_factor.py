@@ -16,9 +16,6 @@ import numpy as np
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance
 
-MAX_COST = 8.0
-"""Largest cost of lifting off at another time. Set by hand."""
-
 
 @dataclass(frozen=True)
 class DutyFactor:
@@ -70,7 +67,7 @@ class DutyFactor:
         else:
             return np.zeros(len(frames))
         square = (frames - at) ** 2 / ((sd * stride) ** 2 + more**2)
-        return np.minimum(0.5 * square, MAX_COST)
+        return np.minimum(0.5 * square, STRIDE.most_cost)
 
     def shortest_swing(self, point: int) -> float:
         """Return the frames that a swing of a point lasts at least."""

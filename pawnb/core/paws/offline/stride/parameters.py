@@ -66,8 +66,43 @@ class StrideParameters:
         upwards. Set by hand.
     stance_assumed : float
         That counts as so many lift-offs seen. Set by hand.
+    most_cost : float
+        Largest cost of lifting off at another time than is due. Set by hand.
     half_frame : float
-        A paw lifts off so long after the last frame in which it stands, on average. Set by hand.
+        A paw lifts off so many frames after the last one in which it stands, and lands as long
+        before the first, on average: half the time between two frames.
+    still_near : float
+        A stance seems to last so many frames longer at either end: what leaves the ground is still
+        near it. Set by hand.
+    back_share, back_acceleration : float
+        Standard deviation of how much faster than the ground a point goes back: in the speed of the
+        ground, and besides in the usual acceleration. Set by hand.
+    lifted_above, lifted_within : float
+        A point more than so many paw widths above where it stands is lifted, surely after as much
+        more as the second. Set by hand.
+    ride : float
+        Cost of a frame in which a lifted point goes as the ground does. Set by hand.
+    sunk : float
+        The middle of a paw may be so many paw widths below its clicked end. Set by hand.
+    strangest : float
+        Squared standard deviations beyond which a speed backwards costs no more. Set by hand.
+    swing_shape, swing_shape_sd : tuple of float
+        Exponents a and b of a swing's height before any swing is seen, and their standard
+        deviations. Set by hand: front paws of mice are highest early on a belt, but late where they
+        reach out (a of 2 to 3 in the LocoMouse data).
+    landing_speed, landing_speed_sd : float
+        Speed at landing in the mean speed of the swing, and its standard deviation. Set by hand:
+        LocoMouse's mice land with 0.3 to 0.55.
+    swing_height_sd : float
+        Standard deviation of heights, in their median. Set by hand.
+    swing_shortest : float
+        Frames for which a swing lasts at least. Set by hand.
+    swing_noise : float
+        Standard deviation of a place about its arc, in paw widths, forward and up. Set by hand.
+    swing_alike : float
+        Neighbouring frames that err alike. Set by hand.
+    swing_tail : float
+        Places farther off than so many standard deviations count less and less. Set by hand.
     swing_least : int
         Swings of a kind from which its arc is learnt, and
     least_step : float
@@ -150,7 +185,25 @@ class StrideParameters:
     stance_beside: float = 1.2
     stance_up: float = 1.0
     stance_assumed: float = 2.0
+    most_cost: float = 8.0
     half_frame: float = 0.5
+    still_near: float = 0.5
+    back_share: float = 0.25
+    back_acceleration: float = 0.5
+    lifted_above: float = 0.6
+    lifted_within: float = 0.5
+    ride: float = 7.0
+    sunk: float = 0.7
+    strangest: float = 9.0
+    swing_shape: tuple[float, float] = (1.5, 2.0)
+    swing_shape_sd: tuple[float, float] = (0.5, 0.8)
+    landing_speed: float = 0.3
+    landing_speed_sd: float = 0.3
+    swing_height_sd: float = 0.15
+    swing_shortest: float = 2.0
+    swing_noise: float = 0.15
+    swing_alike: float = 3.0
+    swing_tail: float = 3.0
     swing_least: int = 3
     least_step: float = 2.0
     swing_odd: float = 1.5

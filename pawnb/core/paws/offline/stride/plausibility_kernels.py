@@ -8,16 +8,6 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 
-_ABOVE, _WITHIN = 0.6, 0.5
-"""A point more than so many paw widths above the ground is lifted, surely after as much more. Set
-by hand."""
-_RIDE = 7.0
-"""Cost of a frame in which a lifted point goes as the ground does. Set by hand."""
-_BELOW = 0.7
-"""The middle of a paw may be so many paw widths below its clicked end. Set by hand."""
-_STRANGEST = 9.0
-"""Squared standard deviations beyond which a speed is no unlabelled target. Set by hand."""
-
 
 class KinematicPrior(NamedTuple):
     """What is known of how a point moves.
@@ -39,6 +29,9 @@ class KinematicPrior(NamedTuple):
         By how much the speed of what stands may differ from it.
     way : int
         +1, or -1 where speeds are taken backwards in time.
+    above, within, ride, below, strangest : float
+        ``lifted_above``, ``lifted_within``, ``ride``, ``sunk`` and ``strangest`` of
+        :class:`.stride.parameters.StrideParameters`.
     """
 
     forward: np.ndarray
@@ -51,6 +44,11 @@ class KinematicPrior(NamedTuple):
     substrate_velocity: np.ndarray
     tolerance: float
     way: int
+    above: float
+    within: float
+    ride: float
+    below: float
+    strangest: float
 
 
 @compiled
@@ -90,15 +88,15 @@ def _strangeness(ahead: float, high: float, known: KinematicPrior) -> float:
     No paw moves back faster than the ground does, and none goes below it.
     """
     back = max(known.fastest_back - ahead, 0.0) / known.back_sd
-    low = max(known.lowest - _BELOW * known.paw_width - high, 0.0) / (0.5 * known.paw_width)
-    return 0.5 * min(back * back, _STRANGEST) + 0.5 * low * low
+    low = max(known.lowest - known.below * known.paw_width - high, 0.0) / (0.5 * known.paw_width)
+    return 0.5 * min(back * back, known.strangest) + 0.5 * low * low
 
 
 @compiled
 def _riding(off: float, high: float, recent: bool, known: KinematicPrior) -> float:
     """Return the cost of going with the ground, but for ``off``, though lifted."""
     above = (high - known.height) / known.paw_width
-    lifted = 1.0 if recent else min(max((above - _ABOVE) / _WITHIN, 0.0), 1.0)
+    lifted = 1.0 if recent else min(max((above - known.above) / known.within, 0.0), 1.0)
     if lifted == 0.0:
         return 0.0
-    return _RIDE * lifted * np.exp(-0.5 * (off / known.tolerance) ** 2)
+    return known.ride * lifted * np.exp(-0.5 * (off / known.tolerance) ** 2)

@@ -71,13 +71,18 @@ class Substrate:
             forward,
             motion_model.axes[-1],
             fastest,
-            0.25 * abs(fastest) + 0.5 * motion_model.acceleration,
+            STRIDE.back_share * abs(fastest) + STRIDE.back_acceleration * motion_model.acceleration,
             float(motion_model.substrate),
             float(motion_model.paw_width),
             float(self.height[point]),
             self.substrate_velocity,
             _tolerance(self.substrate_velocity, motion_model),
             way,
+            STRIDE.lifted_above,
+            STRIDE.lifted_within,
+            STRIDE.ride,
+            STRIDE.sunk,
+            STRIDE.strangest,
         )
 
     def stances(self, places: np.ndarray) -> list[list[Stance]]:

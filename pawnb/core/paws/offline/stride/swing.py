@@ -13,11 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
-from pawnb.core.paws.offline.stride.duty_factor import MAX_COST, DutyFactor
+from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 from pawnb.core.paws.offline.stride.swing_detection import (
-    TO_FRAME,
     Swing,
     find_swings,
     since_landing,
@@ -73,11 +72,11 @@ class Swings:
         """
         reach = max(STRIDE.near_s * fps, STRIDE.swing_nearest)
         near = [
-            0.5 * ((frames - TO_FRAME - lift) / max(sd, STRIDE.due_sd)) ** 2
+            0.5 * ((frames - STRIDE.half_frame - lift) / max(sd, STRIDE.due_sd)) ** 2
             for p, lift, sd in self.lift_offs
             if p == point and frames[0] - reach < lift < frames[-1] + reach
         ]
-        return np.minimum(np.min(near, axis=0), MAX_COST) if near else None
+        return np.minimum(np.min(near, axis=0), STRIDE.most_cost) if near else None
 
 
 def learn_swings(

@@ -12,10 +12,6 @@ from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 
-TO_FRAME, _STILL_NEAR = 0.5, 0.5
-"""A stance begins and ends between two frames, and it seems to last so many frames longer at either
-end: what leaves the ground is still near it."""
-
 
 @dataclass(frozen=True)
 class Swing:
@@ -125,7 +121,7 @@ def find_swings(
         stride = duty_factor.stride
         spread = float(np.hypot(duty_factor.spread, STRIDE.swing_detection_spread * stride))
         # the share is that of stances as they seem
-        swung = (1.0 - duty_factor.share[p]) * stride + 2.0 * _STILL_NEAR
+        swung = (1.0 - duty_factor.share[p]) * stride + 2.0 * STRIDE.still_near
         swung_sd = np.hypot(duty_factor.sd[p] * stride, (1.0 - duty_factor.share[p]) * spread)
         first, last = mine[0], mine[-1]
         if first.first > 0:
@@ -171,7 +167,7 @@ class _Ends:
             stance.stop - STRIDE.swing_detection_around,
             stance.stop + STRIDE.swing_detection_around + 1,
         )
-        at = stance.stop - TO_FRAME - _STILL_NEAR
+        at = stance.stop - STRIDE.half_frame - STRIDE.still_near
         if observed:
             known = self.certain[stance.stop - 1 : stance.stop + 1].all()
             sd = self._sd(1.0 if known else STRIDE.swing_detection_open)
@@ -184,7 +180,7 @@ class _Ends:
         if duty_factor is None or stance.first == 0 or not duty_factor.is_usual(stride):
             return at, sd
         share = duty_factor.share[self.point]
-        due = stance.first - TO_FRAME - _STILL_NEAR + share * stride
+        due = stance.first - STRIDE.half_frame - STRIDE.still_near + share * stride
         # it divides the stride in between: neither end of that counts whole
         ends = (1.0 - share) * self.touch_down(stance)[1], share * end_sd
         due_sd = float(np.linalg.norm([duty_factor.sd[self.point] * stride, *ends]))
@@ -204,7 +200,7 @@ class _Ends:
             if self.certain[stance.first]
             else STRIDE.swing_detection_open
         )
-        return stance.first - TO_FRAME + _STILL_NEAR, self._sd(vague)
+        return stance.first - STRIDE.half_frame + STRIDE.still_near, self._sd(vague)
 
     def _unseen(self, frame: int) -> int:
         """Return for how many frames about one the point is not seen."""

@@ -16,18 +16,6 @@ import numpy as np
 
 from pawnb.core.paws.offline.stride import trajectory_kernels as loops
 from pawnb.core.paws.offline.stride.parameters import STRIDE
-from pawnb.core.paws.offline.stride.trajectory_kernels import ALIKE, SHORTEST
-
-SHAPE = np.array([1.5, 2.0])
-"""Exponents a and b before any swing is seen, and their standard deviations: front paws of mice
-are highest early on a belt, but late where they reach out (a of 2 to 3 in the LocoMouse data)."""
-SHAPE_SD = np.array([0.5, 0.8])
-"""Standard deviations of these exponents. Set by hand."""
-SLOPE, SLOPE_SD = 0.3, 0.3
-"""Speed at landing in the mean speed of the swing, and its standard deviation: LocoMouse's mice
-land with 0.3 to 0.55."""
-HEIGHT_SD = 0.15
-"""Standard deviation of heights, in their median. Set by hand."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +99,7 @@ def trajectory_at(
     way, up : ndarray, shape (..., T)
         Share of the way, and paw widths.
     """
-    way, up = loops.trajectory(*_flat(values, shape, frames))
+    way, up = loops.trajectory(*_flat(values, shape, frames), STRIDE.swing_shortest)
     return way.reshape(frames.shape), up.reshape(frames.shape)
 
 
@@ -136,7 +124,9 @@ def changes(
     by_shape : ndarray, shape (2, 2, ..., T)
         Derivatives by the exponents.
     """
-    found = loops.changes(*_flat(values, shape, frames)).reshape(6, 2, *frames.shape)
+    found = loops.changes(*_flat(values, shape, frames), STRIDE.swing_shortest).reshape(
+        6, 2, *frames.shape
+    )
     return found[:4], found[4:]
 
 
@@ -166,17 +156,17 @@ def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
         axis=1, initial=0.0
     )
     told = highest[highest > STRIDE.least_high]
-    height, shape = float(np.median(told)) if len(told) else 1.0, SHAPE.copy()
-    values = _first(guess, height)
+    height, shape = float(np.median(told)) if len(told) else 1.0, _shape()
+    values, shape_sd = _first(guess, height), np.array(STRIDE.swing_shape_sd)
     for _ in range(STRIDE.swing_trajectory_rounds):
         values, _, (normal, target) = _fit(values, part, guess, shape, height)
-        normal = normal + np.diag(1.0 / SHAPE_SD**2)
-        step = np.linalg.solve(normal, target + (shape - SHAPE) / SHAPE_SD**2)
+        normal = normal + np.diag(1.0 / shape_sd**2)
+        step = np.linalg.solve(normal, target + (shape - _shape()) / shape_sd**2)
         step = np.clip(step, -STRIDE.most_shape, STRIDE.most_shape)
         shape = np.clip(shape - step, STRIDE.least_shape, STRIDE.largest_shape)
         height = float(np.median(values[:, 2]))
     _, up = trajectory_at(values, shape, part.frames)
-    weight = part.weight / (STRIDE.noise_aside**2 * ALIKE)
+    weight = part.weight / (STRIDE.noise_aside**2 * STRIDE.swing_alike)
     sure = 1.0 / STRIDE.aside_sd**2 + float((weight * up**2).sum())
     aside = float((weight * up * part.aside).sum()) / sure
     return SwingTrajectory(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
@@ -209,9 +199,16 @@ def fit_swings(
     return values, covariance
 
 
+def _shape() -> np.ndarray:
+    """Return the exponents (2,) before any swing is seen."""
+    return np.array(STRIDE.swing_shape)
+
+
 def _first(guess: Guess, height: float) -> np.ndarray:
     """Return values (S, 4) before anything is fitted."""
-    return np.column_stack([guess.times, np.tile([height, SLOPE], (len(guess.times), 1))])
+    return np.column_stack(
+        [guess.times, np.tile([height, STRIDE.landing_speed], (len(guess.times), 1))]
+    )
 
 
 def _fit(
@@ -222,9 +219,12 @@ def _fit(
     Gauss-Newton; places far from their arc count less and less.
     """
     expected = _first(guess, height)
-    sd = np.column_stack([guess.sd, np.tile([HEIGHT_SD * height, SLOPE_SD], (len(values), 1))])
-    most = np.array(
-        [STRIDE.most_frames, STRIDE.most_frames, 2.0 * HEIGHT_SD * height, STRIDE.most_slope]
+    height_sd = STRIDE.swing_height_sd * height
+    own_sd = np.tile([height_sd, STRIDE.landing_speed_sd], (len(values), 1))
+    sd = np.column_stack([guess.sd, own_sd])
+    most = np.array([STRIDE.most_frames, STRIDE.most_frames, 2.0 * height_sd, STRIDE.most_slope])
+    errors = loops.SwingErrors(
+        STRIDE.swing_shortest, STRIDE.swing_noise, STRIDE.swing_alike, STRIDE.swing_tail
     )
     frames, seen = part.frames.astype(float), np.stack([part.way, part.up])
     for step in range(STRIDE.swing_trajectory_steps + 1):
@@ -235,6 +235,7 @@ def _fit(
             seen,
             part.step,
             part.weight,
+            errors,
             6 if step == STRIDE.swing_trajectory_steps else 4,
         )
         normal[:, :4, :4] += (1.0 / sd**2)[:, :, None] * np.eye(4)
@@ -243,7 +244,7 @@ def _fit(
         target += (values - expected) / sd**2
         change = np.linalg.solve(normal, target[..., None])[..., 0]
         values = values - np.clip(change, -most, most)
-        values[:, 1] = np.maximum(values[:, 1], values[:, 0] + SHORTEST)
+        values[:, 1] = np.maximum(values[:, 1], values[:, 0] + STRIDE.swing_shortest)
         values[:, 2] = np.clip(
             values[:, 2],
             STRIDE.swing_trajectory_lowest * height,

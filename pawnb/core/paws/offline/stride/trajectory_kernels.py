@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from pawnb.core.compiled import compiled
 
-SHORTEST = 2.0
-"""Frames for which a swing lasts at least. Set by hand."""
-NOISE = 0.15
-"""Standard deviation of a place about its arc, in paw widths, forward and up. Set by hand."""
-ALIKE = 3.0
-"""Neighbouring frames that err alike. Set by hand."""
-_TAIL = 3.0
-"""Places farther off than so many standard deviations count less and less. Set by hand."""
 _H, _H_SHAPE = 0.05, 0.02
-"""Steps over which it is measured how an arc changes: frames, and exponents."""
+"""Steps over which it is measured how an arc changes, by differences: frames, and exponents."""
+
+
+class SwingErrors(NamedTuple):
+    """How places lie about their arc; see the same names with ``swing_`` of the stage.
+
+    Parameters
+    ----------
+    shortest : float
+        Frames for which a swing lasts at least.
+    noise : float
+        Standard deviation of a place about its arc, paw widths, forward and up.
+    alike : float
+        Neighbouring frames that err alike.
+    tail : float
+        Standard deviations beyond which places count less and less.
+    """
+
+    shortest: float
+    noise: float
+    alike: float
+    tail: float
 
 
 @compiled
@@ -46,14 +61,14 @@ def upward(s: float, shape: np.ndarray, top: float) -> float:
 
 
 @compiled
-def _share(lift: float, land: float, frame: float) -> float:
+def _share(lift: float, land: float, frame: float, shortest: float) -> float:
     """Return which share of a swing is over in a frame."""
-    return min(max((frame - lift) / max(land - lift, SHORTEST), 0.0), 1.0)
+    return min(max((frame - lift) / max(land - lift, shortest), 0.0), 1.0)
 
 
 @compiled
 def trajectory(
-    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray, shortest: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far forward and up (S, T) swings are in some frames.
 
@@ -65,30 +80,34 @@ def trajectory(
         The exponents.
     frames : ndarray, shape (S, T)
         The frames.
+    shortest : float
+        Frames for which a swing lasts at least.
     """
     way, up, top = np.empty(frames.shape), np.empty(frames.shape), peak(shape)
     for i in range(len(frames)):
         lift, land, height, slope = values[i, 0], values[i, 1], values[i, 2], values[i, 3]
         for t in range(frames.shape[1]):
-            s = _share(lift, land, frames[i, t])
+            s = _share(lift, land, frames[i, t], shortest)
             way[i, t], up[i, t] = forward(s, slope), height * upward(s, shape, top)
     return way, up
 
 
 @compiled
 def _changes(
-    values: np.ndarray, shapes: np.ndarray, tops: np.ndarray, frame: float, by: np.ndarray
-) -> tuple[float, float]:
+    values: np.ndarray, shapes: np.ndarray, tops: np.ndarray, frame: float, shortest: float,
+    by: np.ndarray,
+) -> tuple[float, float]:  # fmt: skip
     """Return where a swing is, forward and up, and in ``by`` (k, 2) how that changes.
 
     With the four values (4,), and where there is room with the two exponents. ``shapes`` (3, 2)
     are these, and a little more of the one and the other, and ``tops`` their peaks.
     """
     lift, land, height, slope = values[0], values[1], values[2], values[3]
-    s = _share(lift, land, frame)
+    s = _share(lift, land, frame, shortest)
     way, high = forward(s, slope), upward(s, shapes[0], tops[0])
     for k in range(2):
-        late = _share(lift + (_H if k == 0 else 0.0), land + (_H if k == 1 else 0.0), frame)
+        later_lift, later_land = lift + (_H if k == 0 else 0.0), land + (_H if k == 1 else 0.0)
+        late = _share(later_lift, later_land, frame, shortest)
         by[k, 0] = (forward(late, slope) - way) / _H
         by[k, 1] = height * (upward(late, shapes[0], tops[0]) - high) / _H
     by[2, 0], by[2, 1], by[3, 0], by[3, 1] = 0.0, high, _steeper(s), 0.0
@@ -110,13 +129,15 @@ def _beside(shape: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 @compiled
-def changes(values: np.ndarray, shape: np.ndarray, frames: np.ndarray) -> np.ndarray:
+def changes(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray, shortest: float
+) -> np.ndarray:
     """Return how swings (:func:`trajectory`) change with values and shape, (6, 2, S, T)."""
     found, by = np.empty((6, 2, *frames.shape)), np.empty((6, 2))
     shapes, tops = _beside(shape)
     for i in range(len(frames)):
         for t in range(frames.shape[1]):
-            _changes(values[i], shapes, tops, frames[i, t], by)
+            _changes(values[i], shapes, tops, frames[i, t], shortest, by)
             for k in range(6):  # as a slice it takes seconds more to compile
                 found[k, 0, i, t], found[k, 1, i, t] = by[k, 0], by[k, 1]
     return found
@@ -130,6 +151,7 @@ def equations(
     seen: np.ndarray,
     step: np.ndarray,
     weight: np.ndarray,
+    errors: SwingErrors,
     unknowns: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the normal equations of swings that are seen in part.
@@ -144,6 +166,8 @@ def equations(
         Length of the way, paw widths.
     weight : ndarray, shape (S, T)
         How much each frame counts.
+    errors : SwingErrors
+        How places lie about their arc.
     unknowns : int
         4, the values of each swing, or 6, the exponents too.
 
@@ -159,12 +183,12 @@ def equations(
         for t in range(frames.shape[1]):
             if weight[i, t] == 0.0:
                 continue
-            here = _changes(values[i], shapes, tops, frames[i, t], by)
+            here = _changes(values[i], shapes, tops, frames[i, t], errors.shortest, by)
             for axis in range(2):
                 unit = step[i] if axis == 0 else 1.0
                 off = unit * (here[axis] - seen[axis, i, t])
-                share = unit * weight[i, t] / (NOISE**2 * ALIKE)
-                share /= 1.0 + (off / (_TAIL * NOISE)) ** 2
+                share = unit * weight[i, t] / (errors.noise**2 * errors.alike)
+                share /= 1.0 + (off / (errors.tail * errors.noise)) ** 2
                 for k in range(unknowns):
                     target[i, k] += share * by[k, axis] * off
                     for m in range(unknowns):

@@ -5,11 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
+from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.offline.gap_closing import hypothesis_kernels, mht_kernels, update_kernels
 from pawnb.core.paws.offline.gap_closing.mht import process_noise_of, state_after
-from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.gap_closing.mht_parameters import mht_parameters as of_stage
 from pawnb.core.paws.offline.gap_closing.usual_region import UsualRegion
 from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior
 
 # constant acceleration whose changes are white: Bar-Shalom, Li & Kirubarajan 2001, section 6.3
@@ -25,8 +27,11 @@ LINEAR[:8] = np.array(
 ONLY = {"impulse_cost": 1e6, "bad_cost": 1e6, "clutter": 1e-30, "reach": 1e6}
 
 
+USUAL = {"jerk": 0.3, "impulse": 2.0, "noise": 0.4, "reach": 50.0, "rising": 0, "swinging": 0}
+
+
 def mht_parameters(**options):
-    return MHTParameters(**{"jerk": 0.3, "impulse": 2.0, "noise": 0.4, "reach": 50.0, **options})
+    return of_stage(**USUAL)._replace(**options)
 
 
 def target(
@@ -51,6 +56,11 @@ def target(
         "substrate_velocity": substrate_velocity,
         "tolerance": 1.0,
         "way": 1,
+        "above": STRIDE.lifted_above,
+        "within": STRIDE.lifted_within,
+        "ride": STRIDE.ride,
+        "below": STRIDE.sunk,
+        "strangest": STRIDE.strangest,
     }
     return mht_kernels.TargetModel(
         update_kernels.Cameras(
@@ -272,6 +282,18 @@ def test_a_paw_that_lifts_off_is_followed_by_a_kick():
     np.testing.assert_array_equal(lift_off(), np.ones(8))
     # without kicks nothing can go so fast
     assert lift_off(impulse_cost=1e6)[-1] != 1
+
+
+def test_what_is_set_is_what_the_compiled_loops_read():
+    still = np.zeros((6, 1, 2)) + 0.5
+
+    def taken():
+        return close(still, np.zeros(1), state=np.zeros((3, 2)), covariance=np.eye(3))[0]
+
+    assert (taken() == 0).all()
+    for name, value in (("mht_gate", 1e-6), ("mht_clutter", 1e9)):
+        with parameters_set({"gap_closing": {name: value}}):
+            assert (taken() == -1).all(), name
 
 
 def test_what_a_point_is_doubted_for_is_not_believed():

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.plausibility_kernels import add_kinematic_cost
 from pawnb.core.paws.offline.stride.stance import Substrate
@@ -80,3 +81,15 @@ def test_half_lifted_counts_half():
 
 def test_where_no_ground_is_known_nothing_is_below_it():
     assert doubted(-99.0, [5.0, 0.0, 0.0], motion_model=replace(MANNER, substrate=-np.inf)) == 0.0
+
+
+def test_what_is_set_is_what_the_compiled_loop_reads():
+    def cost():
+        return doubted(2.2 + 1.7, MANNER.substrate_velocity, stands=2.2)
+
+    usual = cost()
+    with parameters_set({"stride": {"ride": 14.0}}):
+        assert cost() == pytest.approx(2.0 * usual)  # 7 by default
+    with parameters_set({"stride": {"lifted_above": 2.0}}):
+        assert cost() == 0.0
+    assert cost() == usual

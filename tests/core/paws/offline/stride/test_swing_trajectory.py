@@ -9,12 +9,8 @@ from hypothesis import settings as rules
 from hypothesis import strategies as st
 from scipy.stats import beta
 
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.swing_trajectory import (
-    HEIGHT_SD,
-    SHAPE,
-    SHAPE_SD,
-    SLOPE,
-    SLOPE_SD,
     Guess,
     Part,
     SwingTrajectory,
@@ -27,6 +23,8 @@ from pawnb.core.paws.offline.stride.trajectory_kernels import forward as forward
 from pawnb.core.paws.offline.stride.trajectory_kernels import peak
 from pawnb.core.paws.offline.stride.trajectory_kernels import upward as upward_at
 
+SHAPE, SHAPE_SD = np.array(STRIDE.swing_shape), np.array(STRIDE.swing_shape_sd)
+SLOPE, SLOPE_SD = STRIDE.landing_speed, STRIDE.landing_speed_sd
 SHARES = np.linspace(0.0, 1.0, 101)
 EXPONENTS = st.floats(0.7, 4.0)
 
@@ -121,7 +119,7 @@ def made(count, *, shape=SHAPE, seed=0, hidden=0.0, noise=0.15, height=2.0, sd=(
     times += 100.0 * np.arange(count)[:, None]
     truth = np.column_stack([
         times + rng.normal(size=times.shape) * sd,
-        height * (1.0 + HEIGHT_SD * rng.normal(size=count).clip(-2.0, 2.0)),
+        height * (1.0 + STRIDE.swing_height_sd * rng.normal(size=count).clip(-2.0, 2.0)),
         SLOPE + SLOPE_SD * rng.normal(size=count),
     ])  # fmt: skip
     frames = 100.0 * np.arange(count)[:, None] + np.arange(52)

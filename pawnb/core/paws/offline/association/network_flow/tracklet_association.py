@@ -38,7 +38,8 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import Point
 from pawnb.core.paws.offline.detection.colour.detections import InFrames
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.scene.geometry import Anchors
-from pawnb.core.paws.offline.scene.motion_model import FASTEST, MotionModel
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import Cycle
@@ -266,7 +267,7 @@ def _motion_model(
     places: Sequence[PointHypotheses], scene: Scene, fps: float, settings: OfflineSettings
 ) -> MotionModel:
     """Return how points move."""
-    speed = FASTEST * scene.body_scale / fps
+    speed = MOVEMENT.fastest * scene.body_scale / fps
     substrate_velocity = estimate_substrate_velocity(
         places,
         within=0.3 * scene.paw_width,

@@ -6,6 +6,9 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 
+_NOTHING = 40.0
+"""Beyond that square the exponential function adds nothing to a number: exp(-40) is 4e-18."""
+
 
 @compiled
 def triangulate(L: np.ndarray, uv: np.ndarray) -> np.ndarray:
@@ -93,8 +96,7 @@ def support(
                     du = (uv[k, v, 0] - at[t, v, i, 0]) / scale[v]
                     dv = (uv[k, v, 1] - at[t, v, i, 1]) / scale[v]
                     square = du * du + dv * dv
-                    # beyond that it is nothing
-                    if square < 40.0:
+                    if square < _NOTHING:
                         best = max(best, good[t, v, i] * np.exp(-square))
             seen[k, v] = best
     return seen

@@ -393,7 +393,7 @@ def _reduced(picture: np.ndarray, clicks: np.ndarray, shrink: int) -> tuple[np.n
 
 def _even(score: np.ndarray) -> np.ndarray:
     """Take the noise of single pixels out of a score."""
-    return cv2.GaussianBlur(score.astype(np.float32), (3, 3), 0.6)
+    return cv2.GaussianBlur(score.astype(np.float32), (3, 3), COLOUR.score_blur_px)
 
 
 def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ that from the centre of a wider neighbourhood to it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
@@ -23,9 +23,6 @@ from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _NO_LIMITS = np.empty((0, 3))
 """No line bounds where detections lie."""
-
-MOST = 16
-"""Detections usually kept in one picture. Set by hand."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ class DetectorConfig:
     is_below: bool = False
     finds_blobs: bool = False
     illumination: tuple[float, ...] | None = None
-    most: int = MOST
+    most: int = field(default_factory=lambda: COLOUR.most_found)
 
 
 def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
@@ -87,13 +84,13 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
     score = detector.appearance.score(pixels, origin, shrink=detector.shrink)
     if detector.is_below or detector.finds_blobs:
         return _blobs(score, origin, detector)
-    score = cv2.GaussianBlur(score, (3, 3), 0.6)
+    score = cv2.GaussianBlur(score, (3, 3), COLOUR.score_blur_px)
     weight = loops.weigh(score)
     r = detector.reach
     v, u, share = loops.find_ends(score, weight, r, r // 2)
     # specks are not ends: there must be mask behind
     order = np.argsort(share)
-    order = order[share[order] * (2 * r + 1) ** 2 > 0.25 * r * r]
+    order = order[share[order] * (2 * r + 1) ** 2 > COLOUR.least_behind * r * r]
     pixels, share = np.array([u[order], v[order]]), share[order]
     near = loops.centres(weight, pixels[0], pixels[1], r)
     if len(share) > COLOUR.looked_at:
@@ -102,8 +99,9 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
         best = np.sort(np.argsort(-promise, kind="stable")[: COLOUR.looked_at])
         pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
     limits = _NO_LIMITS if detector.limits is None else np.asarray(detector.limits, float)
+    grid = (*origin, detector.shrink)
     found = Detections(
-        loops.describe(score, weight, pixels, share, near, r, limits, (*origin, detector.shrink))
+        loops.describe(score, weight, pixels, share, near, r, COLOUR.ends_apart, limits, grid)
     )
     best = np.argsort(-endpoint_score(found, detector.limb_direction), kind="stable")
     return Detections(found.table[best[: detector.most]].astype(np.float32))
@@ -131,12 +129,14 @@ def endpoint_score(found: Detections, limb_direction: tuple[float, float]) -> np
     length = np.hypot(found.direction[:, 0], found.direction[:, 1])
     cosine = (found.direction @ np.asarray(limb_direction)) / np.maximum(length, 1e-6)
     # an end that points back or up is a heel, an elbow or the tail's
-    ahead = np.clip(0.8 + 0.6 * cosine, 0.05, 1.0)
+    ahead = np.clip(
+        COLOUR.direction_usual + COLOUR.direction_gain * cosine, COLOUR.least_likeness, 1.0
+    )
     return np.asarray(_likeness(found.score, found.coverage) * ahead)
 
 
 def _likeness(score: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Return how much a place looks like the end of a paw, wherever it points, 0 to 1."""
     # further along a limb the share is twice that at its end
-    end = 1.0 / (1.0 + np.exp((share - COLOUR.detector_share) / 0.03))
-    return np.asarray(np.clip(0.5 * (score - 0.5), 0.05, 1.0) * end)
+    end = 1.0 / (1.0 + np.exp((share - COLOUR.detector_share) / COLOUR.share_spread))
+    return np.asarray(np.clip(0.5 * (score - 0.5), COLOUR.least_likeness, 1.0) * end)

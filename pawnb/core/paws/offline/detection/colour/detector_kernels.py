@@ -245,6 +245,7 @@ def describe(
     share: np.ndarray,
     near: np.ndarray,
     reach: int,
+    apart: float,
     limits: np.ndarray,
     grid: tuple[int, int, int],
 ) -> np.ndarray:
@@ -262,13 +263,15 @@ def describe(
         Centre of the mask near each.
     reach : int
         As of :class:`~pawnb.core.paws.offline.detection.colour.detector.DetectorConfig`.
+    apart : float
+        Least distance of two ends, in ``reach``.
     limits : ndarray, shape (k, 3)
         Lines on one side of which ends must be; see there.
     grid : tuple of int
         Left and top of the picture in the view, px, and by what factor it was reduced.
     """
     left, top, shrink = grid
-    kept = distinct(near, 0.7 * reach)
+    kept = distinct(near, apart * reach)
     far = centres(weight, pixels[0][kept], pixels[1][kept], 2 * reach)
     means = mean_score(score, near[kept])
     out = np.empty((len(kept), 8))

@@ -5,19 +5,18 @@ from __future__ import annotations
 import contextlib
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
 
-from pawnb.core.parallel import THREADS
+from pawnb.core.parallel import THREADS, Threads
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, reduce
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import (
-    MOST,
     DetectorConfig,
     detect,
     endpoint_score,
@@ -79,7 +78,7 @@ class ROI:
         if self.offset is None:
             self.offset = mean - float(self.centre[0])
         step = mean - self.offset - self.centre[0]
-        limit = 0.1 * self.half[0]
+        limit = COLOUR.scan_most_step * self.half[0]
         self.centre = self.centre + np.array(
             [COLOUR.scan_follow * np.clip(step, -limit, limit), 0.0]
         )
@@ -113,9 +112,9 @@ def configure_detector(
     DetectorConfig
         How the view is searched.
     """
-    shrink = max(1, round(paw_width_px / 6.0))
-    reach = max(3, round(0.85 * paw_width_px / shrink))
-    most = COLOUR.most_faint if appearance.is_faint else MOST
+    shrink = max(1, round(paw_width_px / COLOUR.reduced_paw_px))
+    reach = max(3, round(COLOUR.search_reach * paw_width_px / shrink))
+    most = COLOUR.most_faint if appearance.is_faint else COLOUR.most_found
     return DetectorConfig(appearance, shrink, reach, limb_direction, limits, is_below, most=most)
 
 
@@ -178,7 +177,7 @@ def scan_video(
     with contextlib.ExitStack() as stack:
         stack.callback(store.close)
         # a view stays with its thread: its region follows what the frame before has shown
-        pools = [stack.enter_context(ThreadPoolExecutor(1)) for _ in range(THREADS)]
+        pools = [stack.enter_context(Threads(1)) for _ in range(THREADS)]
 
         def finish() -> None:
             found.append([future.result() for future in waiting.popleft()])

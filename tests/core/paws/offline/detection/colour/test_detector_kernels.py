@@ -100,14 +100,14 @@ def test_ends_are_described_in_pixels_of_the_view(score):
     near = pixels.T + np.array([[0.25, -0.25], [0.5, 0.5], [0.0, 0.0], [-0.125, 0.0]])
     share = np.array([0.1, 0.2, 0.3, 0.4], np.float32)
     beyond = np.array([[-1.0, 0.0, 200.0]])
-    found = loops.describe(score, weight, pixels, share, near, 5, beyond, (100, 30, 2))
+    found = loops.describe(score, weight, pixels, share, near, 5, 0.7, beyond, (100, 30, 2))
     # the second is close to the first, the third lies beyond u = 200
     kept = [0, 3]
     # close is nearer than 0.7 times the reach: 3.5 px of 5
     for apart, n in ((3.4, 1), (3.6, 2)):
         pair = np.array([[20.0, 10.0], [20.0 + apart, 10.0]])
         of_pair = loops.describe(
-            score, weight, pixels[:, :2].copy(), share[:2], pair, 5, beyond, (100, 30, 2)
+            score, weight, pixels[:, :2].copy(), share[:2], pair, 5, 0.7, beyond, (100, 30, 2)
         )
         assert len(of_pair) == n
     assert found[:, :2] == pytest.approx((near[kept] + 0.5) * 2 - 0.5 + [100, 30])
