@@ -295,6 +295,9 @@ def _iterate_until_converged(
         if cycle is None and swings is None:
             break
         trust = 1.0 / (1.0 + (sd / TREADMILL.pipeline_believed) ** 2)
+        if lost.any():
+            paths.doubt(lost)
+            first = paths.first()
         places = tracked(first if cycle is None else paths.again(cycle))
         state = TrackingState(
             places,

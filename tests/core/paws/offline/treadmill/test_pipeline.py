@@ -91,10 +91,11 @@ def close_and_smooth(monkeypatch, *, cycle, swings, forward=lambda _: 0.0, scene
 
     Returns what was known each time, the trust that cycles were learnt with, and what is lost.
     """
-    n, reference, trusts = 20, [], []
+    n, reference, trusts, doubted = 20, [], [], []
+    first = np.zeros((n, 1, 3))
     paths = SimpleNamespace(
         motion_model=SimpleNamespace(jerk=0.1, axes=np.eye(3)), body=lambda x: x[:, 0],
-        again=lambda _: np.ones((n, 1, 3)),
+        again=lambda _: np.ones((n, 1, 3)), doubt=doubted.append, first=lambda: first,
     )  # fmt: skip
     prepared = SimpleNamespace(
         certain=np.full((n, 1, 2, 2), np.nan),
@@ -128,10 +129,12 @@ def close_and_smooth(monkeypatch, *, cycle, swings, forward=lambda _: 0.0, scene
     )
     monkeypatch.setattr(pipeline, "learn_duty_factor", lambda *_: None)
     monkeypatch.setattr(pipeline, "_swings", lambda *_, **__: swings)
-    first = np.zeros((n, 1, 3))
     pipeline._iterate_until_converged(
         first, {}, paths, prepared, scene=scene, fps=100.0, settings=settings
     )
+    # what a choice got wrong is not chosen again in the same way
+    assert len(doubted) == len(reference) - 1
+    assert all(one is lost for one in doubted)
     return reference, trusts, lost
 
 

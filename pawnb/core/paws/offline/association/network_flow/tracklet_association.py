@@ -149,6 +149,7 @@ class TrackletAssociator:
             max(4, round(settings.max_occlusion_s * fps)),
             settings.max_successors,
         )
+        self._occlusion_frame_cost = occlusion_frame_cost
         self._elsewhere = np.zeros((len(kinds), len(self.tracklets)))
         if self.tracklets and bottom_view is None and scene.volume is not None:
             frame, at, begins = joined(self.tracklets)
@@ -189,6 +190,19 @@ class TrackletAssociator:
             frames=max(3, round(NETWORK_FLOW.stood_s * fps)),
         )
         return without_body_clutter(tracklets, substrate_velocity, paw_width=paw_width)
+
+    def doubt(self, lost: np.ndarray) -> None:
+        """Let points pay for places that a choice before has put them on by mistake.
+
+        Parameters
+        ----------
+        lost : ndarray of bool, shape (n, P)
+            Frames in which each point was on another one's place.
+        """
+        if self.tracklets:
+            frame, _, begins = joined(self.tracklets)
+            cost = NETWORK_FLOW.hopped * self._occlusion_frame_cost * lost[frame].T
+            self._elsewhere = self._elsewhere + np.add.reduceat(cost, begins, axis=1)
 
     def first(self) -> np.ndarray:
         """Choose by the clicks, then by where points usually are.
