@@ -113,7 +113,9 @@ def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> n
     lost = np.zeros(len(is_open), bool)
     for one in stances:
         near = is_open[one.stop : one.stop + most + 1]
-        if one.stop - one.first >= GAP_CLOSING.rejection_settled and near.any():
+        # one that has stood since before the first frame may have for long
+        settled = not one.first or one.stop - one.first >= GAP_CLOSING.rejection_settled
+        if settled and near.any():
             lost[one.stop : one.stop + int(np.argmax(near))] = True
     return lost
 

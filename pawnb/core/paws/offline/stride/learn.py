@@ -76,7 +76,7 @@ def learn_stride(
     )  # fmt: skip
     swings = _swings(smoothed, gap_closing, stances, duty_factor, lost=lost, gait=gait)
     liftoff_velocity = _liftoff_velocity(smoothed, gap_closing, gait)
-    return StrideModel(cycle, liftoff_velocity, duty_factor, swings)
+    return StrideModel(cycle, liftoff_velocity, duty_factor, swings, lost)
 
 
 def _liftoff_velocity(

@@ -25,12 +25,15 @@ class StrideModel:
         When points lift off.
     swings : Swings, optional
         Where they swing.
+    hopped : ndarray of bool, shape (n, P), optional
+        Frames in which tracks were where no swing leads.
     """
 
     cycle: Cycle | None = None
     liftoff_velocity: np.ndarray | None = None
     duty_factor: DutyFactor | None = None
     swings: Swings | None = None
+    hopped: np.ndarray | None = None
 
     @property
     def is_known(self) -> bool:

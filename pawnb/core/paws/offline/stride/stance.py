@@ -98,7 +98,26 @@ class Substrate:
             slow[STRIDE.stance_half : -STRIDE.stance_half] = _length(
                 step, self.motion_model
             ) < _tolerance(self.substrate_velocity, self.motion_model)
-        return [self._stances(still[:, p], slow[:, p]) for p in range(n_points)]
+        found = [self._stances(still[:, p], slow[:, p]) for p in range(n_points)]
+        for p, mine in enumerate(found):
+            begun = self._begun(p, places[:, p], still[:, p])
+            if begun is not None and (not mine or mine[0].first > begun.stop):
+                mine.insert(0, begun)
+        return found
+
+    def _begun(self, point: int, places: np.ndarray, still: np.ndarray) -> Stance | None:
+        """Return the stance with which a recording begins, of frames too few to tell a speed.
+
+        What is as low there as where it stands later, and stays on its place on the ground, stands.
+        """
+        near = STRIDE.stance_off * self.motion_model.paw_width
+        above = np.abs(places @ self.motion_model.axes[-1] - self.height[point])
+        # what is not known is NaN and compares as False
+        on = (_length(still - still[0], self.motion_model) < near) & (above < near)
+        stop = int(np.argmin(np.append(on, False)))
+        if not stop or (stop == 1 and np.isfinite(places[1:2, 0]).any()):
+            return None
+        return Stance(0, stop, median(still[:stop]))
 
     def _stances(self, still: np.ndarray, slow: np.ndarray) -> list[Stance]:
         """Return the stances of one point: where it is slow, and as long as it is at that place."""

@@ -97,11 +97,13 @@ def smooth(state: PipelineState) -> PipelineState:
 
 
 def learn(state: PipelineState) -> PipelineState:
-    """Learn the stride from the tracks."""
+    """Learn the stride from the tracks; paths to which no swing led are doubted from then on."""
     body = state.paths.body(state.smoothed.x)
-    return replace(
-        state, stride=learn_stride(state.smoothed, state.gap_closing, body, gait=state.gait)
-    )
+    stride = learn_stride(state.smoothed, state.gap_closing, body, gait=state.gait)
+    if stride.hopped is None or not stride.hopped.any():
+        return replace(state, stride=stride)
+    paths = state.paths.doubting(stride.hopped)
+    return replace(state, stride=stride, paths=paths, first=paths.first())
 
 
 def is_settled(state: PipelineState) -> bool:

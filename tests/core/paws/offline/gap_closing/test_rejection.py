@@ -278,3 +278,12 @@ def test_a_path_that_is_lost_soon_after_a_stance_was_drawn_off(gap, lost):
     stances = [Stance(4, 20, np.zeros(3)), Stance(34, 37, np.zeros(3))]
     found = drawn_off(stances, is_open, most=4)
     np.testing.assert_array_equal(np.flatnonzero(found), lost)
+
+
+def test_a_path_is_drawn_off_soon_after_a_recording_begins():
+    """A stance of three frames that began before the first one may have lasted for long."""
+    is_open = np.zeros(40, bool)
+    is_open[5:20] = True
+    for first, lost in ((0, [3, 4]), (1, [])):
+        found = drawn_off([Stance(first, 3, np.zeros(3))], is_open, most=4)
+        np.testing.assert_array_equal(np.flatnonzero(found), lost)

@@ -93,7 +93,24 @@ def test_a_stance_needs_places_that_go_with_the_ground():
     still = np.tile([5.0, 0.0, 1.2], (30, 2, 1))
     assert substrate().stances(still) == [[], []]
     assert substrate().stances(np.full((30, 2, 3), np.nan)) == [[], []]
-    assert substrate().stances(walk()[:3]) == [[], []]
+    assert substrate().stances(walk()[3:6] + np.array([0.0, 0.0, 2.0])) == [[], []]
+
+
+def test_a_recording_may_begin_with_the_last_frames_of_a_stance():
+    """Too few frames for a speed: it is as low as it stands later, and goes with the ground."""
+    x = walk(noise=0.02)[15:]  # it stands in five more frames
+    x[3:25] = np.nan  # and is seen in three of them
+    x[2, 1] += [1.5, 0.0, 0.0]  # the second is drawn off at once
+    first, second = (mine[0] for mine in substrate().stances(x))
+    assert (first.first, first.stop, second.first, second.stop) == (0, 3, 0, 2)
+    np.testing.assert_allclose(substrate().places(first, np.arange(3)), x[:3, 0], atol=0.1)
+    # one frame, as one that is clicked, is told by its height
+    x[1:3] = np.nan
+    assert [(mine[0].first, mine[0].stop) for mine in substrate().stances(x)] == [(0, 1)] * 2
+    # what hovers, or is not known to stand at any height, does not stand
+    above = walk()[15:18] + np.array([0.0, 0.0, 1.2])
+    assert substrate().stances(above) == [[], []]
+    assert substrate(height=np.full(2, np.nan)).stances(walk()[:3]) == [[], []]
 
 
 def test_how_paws_lift_off_is_the_median_of_what_was_seen():

@@ -111,10 +111,12 @@ def passes(monkeypatch, *, cycle, swings, forward=lambda _: 0.0, scene=SCENE):
 
     Returns what was known each time, the trust that cycles were learnt with, and what is lost.
     """
-    n, known, trusts = 20, [], []
+    n, known, trusts, doubted = 20, [], [], []
+    first = np.zeros((n, 1, 3))
     paths = SimpleNamespace(
-        motion_model=MOTION, body=lambda x: x[:, 0], again=lambda _: np.ones((n, 1, 3))
-    )
+        motion_model=MOTION, body=lambda x: x[:, 0], again=lambda _: np.ones((n, 1, 3)),
+        doubting=lambda hopped: doubted.append(hopped) or paths, first=lambda: first,
+    )  # fmt: skip
     followed = targets.Targets(
         ["front"], np.full((n, 1, 2, 2), np.nan), np.ones((1, 2), bool),
         Observations(*(np.zeros((n, *rest)) for rest in ((2, 3, 2), (1, 2, 3, 2), (2, 3), (2, 3)))),
@@ -134,7 +136,6 @@ def passes(monkeypatch, *, cycle, swings, forward=lambda _: 0.0, scene=SCENE):
             x=x, sd=np.ones_like(x), measured=np.zeros((n, 1, 2, 2)),
         )  # fmt: skip
 
-    first = np.zeros((n, 1, 3))
     monkeypatch.setattr(pipeline, "choose_targets", lambda _: (followed, paths, first))
     monkeypatch.setattr(pipeline, "close_gaps", bridge)
     monkeypatch.setattr(pipeline, "refine", smoothed)
@@ -145,6 +146,9 @@ def passes(monkeypatch, *, cycle, swings, forward=lambda _: 0.0, scene=SCENE):
     monkeypatch.setattr(learn, "learn_duty_factor", lambda *_: None)
     monkeypatch.setattr(learn, "_swings", lambda *_, **__: swings)
     pipeline.run_pipeline(given)
+    # what a choice got wrong is not chosen again in the same way
+    assert len(doubted) == len(trusts)
+    assert all(one is lost for one in doubted)
     return known, trusts, lost
 
 

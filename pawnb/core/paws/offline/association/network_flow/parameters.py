@@ -78,6 +78,11 @@ class NetworkFlowParameters:
     tracklet_association_elsewhere : float
         Cost of a place that no view of the point's own shows, in that of being occluded: an
         occluded paw is bridged, and one that follows another's is wrong. Set by hand.
+    hopped : float
+        Cost of a place to which no swing leads, in that of being occluded: less, so that it is kept
+        where no other point wants it. Of 1000 visible labels of a film in H.264 of crf 28 (half
+        scale, seed 33) 74 are wrong without it and 7 with 0.3; of one in grey 11 without it and
+        with 0.3, 15 with 1.
     tracklet_association_good : float
         Largest cost of a place that tells about it. Set by hand.
     tracklet_association_dearest, tracklet_association_worse : tuple[float, ...] or float
@@ -132,6 +137,7 @@ class NetworkFlowParameters:
     kinds_apart: float = 0.5
     look_below: float = 3.0
     tracklet_association_elsewhere: float = 1.5
+    hopped: float = 0.3
     tracklet_association_good: float = 0.5
     tracklet_association_dearest: tuple[float, ...] = (0.9, 1.2)
     tracklet_association_worse: float = 0.2

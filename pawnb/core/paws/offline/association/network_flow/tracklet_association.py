@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -141,6 +142,7 @@ class TrackletAssociator:
             max(4, round(settings.max_occlusion_s * fps)),
             settings.max_successors,
         )
+        self._occlusion_frame_cost = occlusion_frame_cost
         self._elsewhere = np.zeros((len(kinds), len(self.tracklets)))
         if self.tracklets:
             frame, at, begins = joined(self.tracklets)
@@ -175,6 +177,26 @@ class TrackletAssociator:
             frames=max(3, round(NETWORK_FLOW.stood_s * fps)),
         )
         return without_body_clutter(tracklets, substrate_velocity, paw_width=paw_width)
+
+    def doubting(self, hopped: np.ndarray) -> TrackletAssociator:
+        """Return a choice in which points pay for where a choice before put them by mistake.
+
+        Parameters
+        ----------
+        hopped : ndarray of bool, shape (n, P)
+            Frames in which each point was where no swing leads.
+
+        Returns
+        -------
+        TrackletAssociator
+            Of the same tracklets.
+        """
+        other = copy.copy(self)
+        if self.tracklets:
+            frame, _, begins = joined(self.tracklets)
+            cost = NETWORK_FLOW.hopped * self._occlusion_frame_cost * hopped[frame].T
+            other._elsewhere = self._elsewhere + np.add.reduceat(cost, begins, axis=1)
+        return other
 
     def first(self) -> np.ndarray:
         """Choose by the clicks, then by where points usually are.

@@ -51,7 +51,7 @@ def scene(truth, clicked=0):
     )  # fmt: skip
 
 
-def candidates(truth, hidden, seed=0, share=0.22, thing=None):
+def candidates(truth, hidden, seed=0, share=0.22, thing=None, n=N):
     """Detections of every frame and view: the paws, and things that come and go.
 
     ``thing``: first frame and position of one that stays to the end.
@@ -59,7 +59,7 @@ def candidates(truth, hidden, seed=0, share=0.22, thing=None):
     rng = np.random.default_rng(seed)
     uv = RIG.project(truth)
     found = []
-    for t in range(N):
+    for t in range(n):
         here = []
         for v in range(3):
             at = [uv[t, p, v] for p in range(4) if not hidden[t, p]]
@@ -225,6 +225,22 @@ def test_a_paw_hidden_at_the_end_does_not_take_what_is_there():
         frames=(16.0, 100.0), noise=1.0, trust=np.ones((N, 4)),
     )  # fmt: skip
     assert np.isnan(paths.again(cycle)[152:, 1]).all()
+
+
+@pytest.mark.slow
+def test_a_path_that_is_doubted_is_kept_unless_being_hidden_is_cheaper():
+    truth, n = walk(), 40
+    paths = choice(truth, np.zeros((N, 4), bool), n=n)
+    kept = np.isfinite(paths.first()[..., 0])
+    lost = np.zeros((n, 4), bool)
+    lost[:, 2] = True
+    paths.doubt(lost)  # no other paw wants it
+    np.testing.assert_array_equal(np.isfinite(paths.first()[..., 0]), kept)
+    for _ in range(4):
+        paths.doubt(lost)
+    x = paths.first()
+    assert np.isnan(x[1:, 2]).mean() > 0.9
+    np.testing.assert_array_equal(np.isfinite(x[:, :2, 0]), kept[:, :2])
 
 
 def test_a_paw_may_have_wandered_farther_aside_where_only_its_side_was_clicked():
