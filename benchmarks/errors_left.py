@@ -130,7 +130,9 @@ def reviewed(trial: Trial, cache: Path, questions: int) -> None:
             word = oracle.answer(widget.session.present, *widget._question)
             asked = widget.edit("action", {"action": word, "frame": asked})
         widget.close()
-    print(f"{trial.folder.name}: {n} labels; answers: stated / wrong: {'; '.join(said)}", flush=True)
+    print(
+        f"{trial.folder.name}: {n} labels; answers: stated / wrong: {'; '.join(said)}", flush=True
+    )
 
 
 def stated_of_marks(clip: real.Clip, n: int, cache: Path) -> tuple[int, float, float] | None:
@@ -150,7 +152,9 @@ def stated_of_marks(clip: real.Clip, n: int, cache: Path) -> tuple[int, float, f
     found = marks.merge(table.dropna().reset_index(), on=grid.names, suffixes=("", "_track"))
     off = np.hypot(found["u"] - found["u_track"], found["v"] - found["v_track"])
     wrong, stated = float((off > clip.threshold_px).sum()), float((1 - found["chance"]).sum())
-    print(f"{clip.name}: {len(found)} marks, stated {stated:.1f} wrong, {wrong:.0f} wrong", flush=True)
+    print(
+        f"{clip.name}: {len(found)} marks, stated {stated:.1f} wrong, {wrong:.0f} wrong", flush=True
+    )
     return len(found), stated, wrong
 
 

@@ -260,7 +260,8 @@ def measure(trial: Path, options: argparse.Namespace, folder: Path) -> dict[str,
         browser.close()
     return {
         "app": options.app, "codec": options.codec, "frames": options.frames,
-        "opened_s": opened, "step_median_ms": float(np.median(step)), "step_p95_ms": float(np.percentile(step, 95)),
+        "opened_s": opened,
+        "step_median_ms": float(np.median(step)), "step_p95_ms": float(np.percentile(step, 95)),
         "key_median_ms": float(np.median(key)), "key_p95_ms": float(np.percentile(key, 95)),
         "jump_median_ms": float(np.median(jump)), "jump_p95_ms": float(np.percentile(jump, 95)),
         "playing_fps": playing, "drag_same_frame": drag, "memory_mb": grown, "cache_mb": cache,

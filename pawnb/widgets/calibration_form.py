@@ -132,7 +132,9 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
             return {"board": self._board()}
         if way in ("points", "board"):
             if not self.file.value.strip():
-                words = "known points" if way == "points" else "board, or say how many squares it has"
+                words = (
+                    "known points" if way == "points" else "board, or say how many squares it has"
+                )
                 raise InputError(f"name the file of the {words}.")
             path = self.trial.path(self.file.value.strip())
             return {way: read_board(path) if way == "board" else path}

@@ -36,8 +36,8 @@ _WRONG = {False: "#B3261E", True: "#FFB4AB"}
 class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     """All trials of a folder: how far each is, what is wrong, and the next step.
 
-    The steps are those of the work: calibrate, click the start, track, review, analyse the gait, look at
-    the results. Videos that are no trial yet become one by a form on the same page.
+    The steps are those of the work: calibrate, click the start, track, review, analyse the gait,
+    look at the results. Videos that are no trial yet become one by a form on the same page.
 
     Parameters
     ----------

@@ -118,4 +118,3 @@ def _put_scale(path: Path, value: float, known: Calibration) -> None:
             f"px_per_unit = {value:g} there yourself."
         )
     write_text(after, path)
-
