@@ -191,7 +191,7 @@ def _put(
             axes = [variable.dims.index("time"), variable.dims.index(dim)]
             values = np.moveaxis(variable.values, axes, [0, 1])
             # what the method told of its doubts does not describe what a person has made of it
-            part = np.nan
+            part: np.ndarray | float = np.nan
             if name in flat and not str(name).endswith("sd"):
                 part = np.moveaxis(flat[name].values, axes, [0, 1])[:, which[dim]]
             index = np.arange(len(values))[rows]
