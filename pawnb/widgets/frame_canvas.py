@@ -6,7 +6,8 @@ browser. Of ``static``, ``connection.js`` knows whether Python hears the browser
 one view, ``marks.js`` what is drawn over it, ``linked.js`` how other views see a point in the hand,
 ``stick.js`` a stick animal, ``frames.js`` the traffic of frames, ``controls.js`` buttons and
 sliders, ``keys.js`` the keys, ``timeline.js``, ``lanes.js`` and ``stretch_bar.js`` the timeline
-where there is one (see ``timeline.py``), ``frame_canvas.js`` the page; they are joined here,
+where there is one (see ``timeline.py``), ``sheet.js`` the sheet of questions, ``frame_canvas.js``
+the page; they are joined here,
 without any build step.
 """
 
@@ -119,7 +120,8 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
 
     _esm = read_static(
         "connection.js", "stick.js", "linked.js", "marks.js", "stage.js", "frames.js",
-        "controls.js", "keys.js", "stretch_bar.js", "lanes.js", "timeline.js", "frame_canvas.js",
+        "controls.js", "keys.js", "stretch_bar.js", "lanes.js", "timeline.js", "sheet.js",
+        "frame_canvas.js",
     )  # fmt: skip
     _css = read_static("frame_canvas.css")
 

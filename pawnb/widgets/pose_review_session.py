@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.edits.log import Pose
+from pawnb.core.pose.animal import Leg
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import pose_values
 from pawnb.core.pose.pose_suspects import find_pose_suspects
@@ -16,6 +17,7 @@ from pawnb.trial import Trial
 from pawnb.widgets.corrected_tracks import CorrectedTracks
 from pawnb.widgets.stick_pose import StickPose, stick_pose
 from pawnb.widgets.stick_session import State, StickSession
+from pawnb.widgets.stretch_edits import order_partners
 
 
 class PoseReviewSession(StickSession):
@@ -80,6 +82,27 @@ class PoseReviewSession(StickSession):
         if not np.isfinite(track.poses.xy).all():
             return None
         return stick_pose(self.species, self.species, track.poses)
+
+    def partners(self) -> dict[str, list[str]]:
+        """Return the legs that each leg may be mistaken for, the likeliest first.
+
+        Those beside it on its own side, then that across; then the rest.
+        """
+        legs = list(self.species.legs)
+        pairs = [
+            (a.name, b.name)
+            for i, a in enumerate(legs)
+            for b in legs[i + 1 :]
+            if (a.side == b.side and abs(_rank(legs, a) - _rank(legs, b)) == 1)
+        ]
+        pairs += [
+            (a.name, b.name)
+            for i, a in enumerate(legs)
+            for b in legs[i + 1 :]
+            if a.side != b.side and _rank(legs, a) == _rank(legs, b)
+        ]
+        names = [leg.name for leg in legs]
+        return {name: order_partners(name, names, pairs) for name in names}
 
     def go(self, frame: int) -> None:
         """Look at another frame: its pose is the one that is corrected.
@@ -152,3 +175,8 @@ class PoseReviewSession(StickSession):
             return False
         self.go(int(getattr(edit, "frame", self.frame)))
         return True
+
+
+def _rank(legs: list[Leg], leg: Leg) -> int:
+    """Return the place of a leg among those of its side, from the front."""
+    return [one.name for one in legs if one.side == leg.side].index(leg.name)

@@ -14,14 +14,14 @@ from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.widgets.corrected_tracks import CorrectedTracks
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS
 from pawnb.widgets.pose_review_session import PoseReviewSession
 from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
 from pawnb.widgets.stick_poser import StickPoser
-from pawnb.widgets.timeline import TIMELINE_KEYS
+from pawnb.widgets.stretch_edits import StretchEdits
+from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.start.propose_pose import pose_view
 
@@ -41,7 +41,8 @@ class PoseReviewer(StickPoser, Retracking):
 
     The stick animal shows the pose of every frame. What a person drags corrects the frame looked
     at; *Track again* then tracks the stretch around it again, both ways, up to where the new
-    track meets the old one or the next frame that a person posed. Every correction is in
+    track meets the old one or the next frame that a person posed. On the timeline legs are
+    exchanged, interpolated, hidden and deleted over a stretch. Every correction is in
     ``edits.jsonl``, on disk, at once, and is made again when the review is opened again.
 
     Parameters
@@ -92,7 +93,7 @@ class PoseReviewer(StickPoser, Retracking):
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
         self._open_corrected = partial(
-            CorrectedTracks, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
+            StretchEdits, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
         )
         shown = open_views(trial) if views is None else views
         reader = shown.readers[pose_view(trial)]
@@ -102,9 +103,14 @@ class PoseReviewer(StickPoser, Retracking):
         super().__init__(trial, session=self.session, views=shown, **options)
         self._own_views = shown if views is None else None
         self.label = "Review poses"
-        self.keys_help = [list(line) for line in (*_KEYS, *TIMELINE_KEYS, *MOUSE_AND_KEYS)]
+        own = (*_KEYS, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
+        self.keys_help = [list(line) for line in own]
         self._prepare_lanes(
-            trial, self.corrected.present, self.session.colours, partners={}, does=("retrack",)
+            trial,
+            self.corrected.present,
+            self.session.colours,
+            partners=self.session.partners(),
+            does=("swap", "interpolate", "hide", "delete", "retrack"),
         )
         self._show_state(self._opening_notes(folder))
 
@@ -134,15 +140,32 @@ class PoseReviewer(StickPoser, Retracking):
         self.session = PoseReviewSession(self._trial, self.corrected, size=self._size, frame=frame)
 
     def _do_to_stretch(
-        self, action: str, _point: str, stretch: tuple[int, int], _message: Mapping[str, Any]
+        self, action: str, point: str, stretch: tuple[int, int], message: Mapping[str, Any]
     ) -> int | None:
-        """Track a stretch again, from what was posed in it; nothing else is done to poses."""
-        if action != "retrack":
-            raise InputError(f"{action}: poses over a stretch can only be tracked again.")
+        """Do what was asked for to a leg over a stretch; see :class:`TimelineCanvas`."""
         first, stop = stretch
-        posed = [e.frame for e in self.corrected.corrections if isinstance(e, Pose)]
-        begin = next((frame for frame in sorted(posed) if first <= frame < stop), first)
-        self.retrack(begin, stretch=stretch)
+        if action == "retrack":
+            posed = [e.frame for e in self.corrected.corrections if isinstance(e, Pose)]
+            begin = next((frame for frame in sorted(posed) if first <= frame < stop), first)
+            self.retrack(begin, stretch=stretch)
+            return None
+        made = self.corrected
+        if action == "swap":
+            other = str(message["other"])
+            if not message.get("stretch"):
+                stop = made.next_crossing(first, point, other)
+            said = made.swap(first, point, other, stop=stop)
+        elif action == "interpolate":
+            said = made.interpolate(first, stop, point)
+        elif action == "hide":
+            said = made.hide(first, None, point, stop=stop)
+        elif action == "delete":
+            said = made.delete(first, stop, point)
+        else:
+            raise InputError(f"{action} is nothing that can be done to a stretch.")
+        self._tracked_again()
+        self._doubt_no_more(first, point, stop=stop)
+        self._show_state(f"{said[:1].upper()}{said[1:]}.")
         return None
 
     def _correct(self, what: str, message: Mapping[str, Any]) -> int | None:

@@ -7,8 +7,18 @@ from pathlib import Path
 from time import monotonic
 from typing import Any
 
+import numpy as np
+import pandas as pd
+import traitlets
+
+from pawnb.core.edits.log import Accept, Swap
+from pawnb.core.suspects.expected import Seen, expected_errors, seen_labels
+from pawnb.errors import PawnbError
 from pawnb.io.journal import Journal, LineFormat
-from pawnb.widgets.retracking import Retracking
+from pawnb.widgets.page import as_text
+from pawnb.widgets.question_sheet import MOST_CROPS, cut_out
+from pawnb.widgets.retracking import Doubt, Retracking
+from pawnb.workflow.reviewing.quality import clicks_of_tracks
 
 RIGHT, NONE, SKIPPED = "right", "none", "skipped"
 """Answers that name no other point."""
@@ -48,7 +58,16 @@ ANSWERS: LineFormat[Answer] = LineFormat({"answer": Answer})
 
 
 class Questions(Retracking):
-    """The part of TrackReviewer that asks. Its ranking is that of the doubtful frames."""
+    """The part of TrackReviewer that asks. Its ranking is that of the doubtful frames.
+
+    Attributes
+    ----------
+    sheet : list of dict
+        The labels that are asked about, the most doubtful first, each with a small picture;
+        empty while nothing is asked.
+    """
+
+    sheet: traitlets.List = traitlets.List().tag(sync=True)
 
     session: Any  # ReviewSession; traitlets wants no stricter word here
 
@@ -58,12 +77,26 @@ class Questions(Retracking):
     _reason = ""
     _asked_at = 0.0
     _n_asked = 0
+    _crops: dict[tuple[Any, ...], tuple[str, list[float]]] | None = None
 
     @property
     def answers(self) -> list[Answer]:
         """Every answer so far; they are in ``answers.jsonl`` beside the corrections."""
+        if self._answers is None and self._answers_file.exists():
+            self._open_answers()
         entries = [] if self._answers is None else self._answers.entries
         return [entry for entry in entries if isinstance(entry, Answer)]
+
+    @property
+    def expected_errors_left(self) -> float:
+        """How many labels that nobody has looked at are expected to be wrong.
+
+        Each counts with its chance of being wrong; those that a person has placed, accepted or
+        answered for, and the same point in the same view up to three frames from there, count
+        as right. How true that is: ``benchmarks/errors_left.py``.
+        """
+        tracks = self.session.present
+        return expected_errors(tracks, clicks=clicks_of_tracks(tracks), seen=self._seen_right())
 
     def effort(self) -> dict[str, float]:
         """Return what the review has cost: answers, minutes over them, and corrections.
@@ -76,6 +109,33 @@ class Questions(Retracking):
         minutes = sum(answer.seconds for answer in self.answers) / 60.0
         n = len(self.corrected.corrections)
         return {"answers": len(self.answers), "minutes": minutes, "corrections": n}
+
+    def _seen_right(self) -> list[Seen]:
+        """Return the labels of which a person has said, and not taken back, that they are right."""
+        edits = self.session.corrections
+        seen: list[Seen] = [(e.frame, e.view, e.point) for e in edits if isinstance(e, Accept)]
+        swaps = [edit for edit in edits if isinstance(edit, Swap)]
+        for said in self.answers:
+            exchanged = any(
+                {swap.first, swap.second} == {said.point, said.answer}
+                and swap.frame <= said.frame
+                and (swap.stop is None or said.frame < swap.stop)
+                for swap in swaps
+            )
+            if exchanged:  # what is there now is what it was said to be
+                seen.append((said.frame, said.view, said.answer))
+        return seen
+
+    def _leave_out_seen(self, doubtful: pd.DataFrame) -> pd.DataFrame:
+        """Leave out of a list of doubtful labels those that a person has seen to be right."""
+        tracks = self.session.present
+        seen = seen_labels(tracks, self._seen_right())
+        rows = np.searchsorted(tracks["frame"].to_numpy(), doubtful["frame"].to_numpy())
+        at = [
+            pd.Index(tracks[dim].to_numpy()).get_indexer(doubtful[column])
+            for dim, column in (("view", "view"), ("keypoint", "point"))
+        ]
+        return doubtful[~seen[rows, at[0], at[1]]]
 
     def _question_actions(self) -> list[dict[str, Any]]:
         """Return the button that begins the questions, or the answers to the one that is asked."""
@@ -99,28 +159,83 @@ class Questions(Retracking):
         end = {"id": "ask end", "text": "No more questions", "keys": ["q"], "title": "End (Q)"}
         return [*made, undo, end]
 
-    def _act_on_question(self, action: str) -> int | None:
+    def _act_on_question(self, action: str, value: Any = None) -> int | None:
         """Begin the questions, take an answer, or end them."""
         if action == "ask":
             if self._answers is None:
-                self._answers = Journal(self._answers_file, ANSWERS, made_in="review")
+                self._open_answers()
             return self._ask()
+        if action == "ask about":
+            return self._ask_about(int(value))
         if action == "ask end":
             return self._end_questions("no more questions")
         return self._answer(action.removeprefix("answer "))
+
+    def _open_answers(self) -> None:
+        """Open the file of answers."""
+        self._answers = Journal(self._answers_file, ANSWERS, made_in="review")
 
     def _ask(self) -> int | None:
         """Ask about the most doubtful label that was not asked about; returns its frame."""
         place = self._next_doubtful()
         if self._doubtful is None or place is None:
             return self._end_questions("no doubtful label is left to ask about")
-        frame, view, point, self._reason = self._doubt(place)
-        self._looked.add((frame, view, point, self._reason))
+        return self._put_question(self._doubt(place))
+
+    def _put_question(self, doubt: Doubt) -> int:
+        """Ask about a label; returns its frame."""
+        frame, view, point, self._reason = doubt
+        self._looked.add(doubt)
         self._place = 0  # the most doubtful first, also where the list was ranked anew
         self._question = (frame, view, point)
         self._n_asked += 1
         self._asked_at = monotonic()
         return self._show_question()
+
+    def _ask_about(self, k: int) -> int | None:
+        """Ask about another label of the sheet; that asked about before stays on the list."""
+        if self._question is None or not 0 < k < len(self.sheet):
+            return None
+        chosen = self.sheet[k]
+        self._looked.discard((*self._question, self._reason))
+        return self._put_question(
+            (chosen["frame"], chosen["view"], chosen["point"], chosen["reason"])
+        )
+
+    def _renew_sheet(self) -> None:
+        """Put the labels on the sheet that are asked about now and next, in their order."""
+        if self._question is None:
+            self.sheet, self._crops = [], None
+            return
+        left = [d for k in range(len(self._suspects)) if (d := self._doubt(k)) not in self._looked]
+        asked = [(*self._question, self._reason), *left[: MOST_CROPS - 1]]
+        known, self._crops = self._crops or {}, {}
+        sheet = []
+        for frame, view, point, reason in asked:
+            place = self.session.position(frame, view, point)
+            key = (frame, view, place)
+            cut = known.get(key) or self._cut(*key)
+            if cut is not None:
+                self._crops[key] = cut
+                sheet.append({"frame": frame, "view": view, "point": point, "reason": reason,
+                              "colour": self.session.colours[point], "url": cut[0], "at": cut[1],
+                              "now": (frame, view, point) == self._question})  # fmt: skip
+        self.sheet = sheet
+
+    def _cut(
+        self, frame: int, view: str, place: tuple[float, float] | None
+    ) -> tuple[str, list[float]] | None:
+        """Return the picture of a label, and where in it the label is; None where it has none."""
+        if place is None:
+            return None
+        try:
+            with self._video_lock:
+                picture = self._views.frame(frame)[view]
+        except PawnbError:  # said where the frame itself is shown
+            return None
+        width = next(stage["width"] for stage in self.stages if stage["name"] == view)
+        data, at = cut_out(picture, place, max(_LEAST_PX, _SHARE * width))
+        return f"data:image/jpeg;base64,{as_text(data)}", at
 
     def _show_question(self) -> int:
         """Show the question that is asked; returns its frame."""
@@ -128,7 +243,11 @@ class Questions(Retracking):
         self._pointed = frame, view, point = self._question
         left = sum(self._doubt(k) not in self._looked for k in range(len(self._suspects)))
         about = f"{self._reason}; frame {frame}, {left} more"
-        self._show_state(f"is this {point} in {view}? ({about})")
+        self._renew_sheet()
+        wrong = self.expected_errors_left
+        self._show_state(
+            f"is this {point} in {view}? ({about}). Expected errors left: {wrong:.0f} labels"
+        )
         return frame
 
     def _ask_again(self, undone: Any) -> int | None:
@@ -151,7 +270,8 @@ class Questions(Retracking):
         )
         if word == RIGHT:
             session.accept(frame, view, point)
-        elif word == NONE:
+        elif word == NONE or (word != SKIPPED and session.are_together(frame, point, said)):
+            # where both are in one place, that of the other is right already: no exchange
             session.delete(frame, frame + 1, point, view=view)
         elif word != SKIPPED:
             begin, stop = session.stretch_between_crossings(frame, point, said)
@@ -169,8 +289,10 @@ class Questions(Retracking):
     def _end_questions(self, said: str) -> int | None:
         """Go on with the review, and say what the questions have cost."""
         self._question = None
+        self._renew_sheet()
         spent = self.effort()
         cost = f"{spent['answers']} answers in {spent['minutes']:.1f} min"
+        cost += f". Expected errors left: {self.expected_errors_left:.0f} labels"
         self._show_state(f"{said}: {cost}" if self._answers is not None else said)
         return None
 

@@ -130,6 +130,24 @@ class StretchEdits(CorrectedTracks):
         later = [near for begin, near, _ in crossings if begin > row]
         return int(frames[later[0]]) if later else int(frames[-1]) + 1
 
+    def are_together(self, frame: int, first: str, second: str) -> bool:
+        """Tell whether two points are passing each other in a frame: then neither is the other.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        first, second : str
+            The points.
+
+        Returns
+        -------
+        bool
+            Whether the frame lies in one of their encounters.
+        """
+        row, _, crossings = self._crossings(frame, first, second)
+        return any(begin <= row < stop for begin, _, stop in crossings)
+
     def stretch_between_crossings(self, frame: int, first: str, second: str) -> tuple[int, int]:
         """Return the stretch about a frame in which two points do not pass each other.
 

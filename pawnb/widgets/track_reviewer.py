@@ -97,6 +97,8 @@ class TrackReviewer(Comparing, Questions):
         The tracks under review; works without a browser.
     tracks : xarray.Dataset
         The tracks as corrected so far; can be observed, and set to others of the same trial.
+    expected_errors_left : float
+        How many labels that nobody has looked at are expected to be wrong.
 
     Raises
     ------
@@ -280,7 +282,7 @@ class TrackReviewer(Comparing, Questions):
         elif action in ("suspect", "next"):
             return self._look_at_doubtful(value)
         elif action.partition(" ")[0] in ("ask", "answer"):
-            return self._act_on_question(action)
+            return self._act_on_question(action, value)
         elif action in ("difference", "apart"):
             return self._look_at_difference(value)
         return None
@@ -319,6 +321,7 @@ class TrackReviewer(Comparing, Questions):
         found = self._given_doubtful
         if found is None:
             found = find_suspects(self.session.tracks, rig=self.session.rig)
+            found = self._leave_out_seen(found)
         return worth_a_look(found)
 
     def _doubt_no_more(

@@ -11,6 +11,7 @@ from typing import Any
 import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
+from pawnb.widgets.calibration_form import CalibrationForm
 from pawnb.widgets.click_initialiser import ClickInitialiser
 from pawnb.widgets.gait_explorer import GaitExplorer
 from pawnb.widgets.plain import Plain, picture_of_table
@@ -35,8 +36,8 @@ _WRONG = {False: "#B3261E", True: "#FFB4AB"}
 class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     """All trials of a folder: how far each is, what is wrong, and the next step.
 
-    The steps are those of the work: click the start, track, review, analyse the gait, look at
-    the results. Videos that are no trial yet become one by a form on the same page.
+    The steps are those of the work: calibrate, click the start, track, review, analyse the gait,
+    look at the results. Videos that are no trial yet become one by a form on the same page.
 
     Parameters
     ----------
@@ -107,7 +108,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         Parameters
         ----------
         step : str
-            mend, start, track, review, gait or look.
+            mend, calibrate, start, track, review, gait or look.
         folder : str or Path
             The folder of the trial.
         """
@@ -119,6 +120,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             return
         make: dict[str, Callable[[], Any]] = {
             "mend": lambda: self._findings(state),
+            "calibrate": lambda: self._calibrate(state),
             "start": lambda: self._start(state),
             "review": lambda: self._review(state),
             "look": lambda: self._results(state),
@@ -198,6 +200,10 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         nxt = self.session.next_step(state)
         steps = [nxt, *(step for step in state.steps if step != nxt)]
         buttons = [self._button(STEPS[nxt], partial(self.do, nxt, state.folder), main=True)]
+        if "calibrate" in steps and "calibrated" not in state.done:
+            steps.remove("calibrate")  # it is a button of its own until it is done
+            text, act = STEPS["calibrate"], partial(self.do, "calibrate", state.folder)
+            buttons.append(self._button(text, act))
         if len(steps) > 1:
             menu = widgets.Dropdown(
                 options=[("other steps", ""), *((STEPS[step], step) for step in steps[1:])],
@@ -223,6 +229,16 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         )
         go_on = self._button("Track", lambda: self._track_started(state), main=True)
         return Tool(tool, [go_on])
+
+    def _calibrate(self, state: TrialState) -> Any:
+        """Return the form that calibrates the views."""
+
+        def done() -> None:
+            self.look_again()
+            self.do("start", state.folder)
+            self._tell(f"{state.name}: calibrated.")
+
+        return Tool(CalibrationForm(described(state), done=done, max_height=self._room), [])
 
     def _track_started(self, state: TrialState) -> None:
         """Track the trial that was just started."""

@@ -143,15 +143,26 @@ w""")
     )
     np.testing.assert_allclose(middle, (*truth(7, point=1), 96), atol=1e-6)
     assert notebook.page.locator("[data-action=retrack]").count() == 0
+    # the sheet: both labels, that which is asked about chosen; the other can be answered first
+    crops = notebook.page.locator(".pawnb-crop")
+    assert [one.get_attribute("aria-pressed") for one in crops.all()] == ["true", "false"]
+    assert crops.nth(1).inner_text().split() == ["FR?", "cam2,", "31"]
+    crops.nth(1).click()
+    notebook.wait("c.painted === 31 && !c.stages[1].fitted")
+    crops.nth(1).click()
+    notebook.wait("c.painted === 7")
+    notebook.settle()
     notebook.press("Enter")
     notebook.wait("c.painted === 31 && !c.stages[1].fitted")
     notebook.settle()
+    assert crops.count() == 1
     notebook.press("0")
     notebook.wait("c.stages.every((s) => s.fitted)")
     notebook.settle()
     results = trial_file.parent / "results"
     assert [line["edit"] for line in lines(results / "edits.jsonl")] == ["accept", "delete"]
     assert [line["answer"] for line in lines(results / "answers.jsonl")] == ["right", "none"]
+    assert crops.count() == 0
     assert "2 answers in" in notebook.page.locator(".pawnb-status").inner_text()
     notebook.assert_no_errors()
 

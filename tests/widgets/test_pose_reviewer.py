@@ -172,3 +172,42 @@ def test_tracks_of_poses_are_observed_and_set(reviewer, tracks):
     assert reviewer.session.pose_at(at).heading_deg == pytest.approx(
         float(tracks["heading"][0, 0]) + 3.0
     )
+
+
+def stretch(widget, action, point, first, last, **more):
+    message = {"frame": first, "action": action, "point": point, "stretch": [first, last], **more}
+    widget.edit("stretch", message)
+
+
+def test_legs_are_exchanged_interpolated_and_hidden_over_a_stretch(reviewer, tracks):
+    was = {leg: [tip(reviewer, f, leg) for f in range(10, 24)] for leg in ("L2", "R2", "L3")}
+    stretch(reviewer, "swap", "L2", 14, 16, other="R2")
+    for frame in range(13, 18):
+        own, other = ("R2", "L2") if 14 <= frame <= 16 else ("L2", "R2")
+        # a leg's joints and tip are where the other's were
+        np.testing.assert_allclose(tip(reviewer, frame, "L2"), was[own][frame - 10], atol=1e-6)
+        np.testing.assert_allclose(tip(reviewer, frame, "R2"), was[other][frame - 10], atol=1e-6)
+        np.testing.assert_array_equal(tip(reviewer, frame, "L3"), was["L3"][frame - 10])
+    assert "L2 and R2 exchanged in frames 14 to 16" in reviewer.status
+    shown = reviewer.session.pose_at(15).places("L2")[-1]  # what is drawn, from the angles
+    np.testing.assert_allclose(shown, was["R2"][5], atol=1e-6)
+    reviewer.edit("action", {"frame": 14, "action": "undo"})
+    np.testing.assert_allclose(tip(reviewer, 15), was["L2"][5], atol=1e-9)
+
+    drag(reviewer, 18, by=(60.0, -40.0))
+    stretch(reviewer, "interpolate", "L2", 18, 20)  # through what was posed in 18
+    posed = reviewer.session.pose_at(18).legs["L2"].angles_deg
+    ends = [posed, reviewer.session.pose_at(21).legs["L2"].angles_deg]
+    for frame in (19, 20):
+        angles = reviewer.session.pose_at(frame).legs["L2"].angles_deg
+        low, high = np.minimum(*ends) - 1e-6, np.maximum(*ends) + 1e-6
+        assert ((angles >= low) & (angles <= high)).all()  # PCHIP does not overshoot
+
+    stretch(reviewer, "hide", "R1", 12, 13)
+    assert np.isnan(tip(reviewer, 12, "R1")).all()
+    assert np.isfinite(tip(reviewer, 14, "R1")).all()
+    reviewer.edit("action", {"frame": 12, "action": "retrack"})
+    reviewer._worker.join()
+    assert np.isnan(tip(reviewer, 13, "R1")).all()  # stays so when tracked again
+    with pytest.raises(InputError, match="has no leg 'L9'"):
+        stretch(reviewer, "delete", "L9", 12, 13)

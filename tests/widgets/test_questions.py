@@ -1,12 +1,17 @@
 """Questions about doubtful labels: what is asked, what an answer does, and what is written."""
 
+import base64
 import json
 
+import cv2
 import numpy as np
 import pandas as pd
 import pytest
 import small_trial as scene
 
+from pawnb.core.paws.offline.quality.assessment import label_chances
+from pawnb.core.video import open_views
+from pawnb.trial import load_trial
 from pawnb.widgets import TrackReviewer
 from pawnb.widgets.questions import Answer
 
@@ -67,11 +72,30 @@ def test_each_question_has_its_answers_and_one_key_each(opened):
     u, v = scene.seen(7)[0, 1]
     assert shown["look"]["views"]["cam1"] == [u, v, 96.0]
     assert "cam3" not in shown["look"]["views"]  # it has no HR
+    # the sheet shows both labels, that which is asked about first
+    assert [(c["frame"], c["view"], c["point"], c["now"]) for c in widget.sheet] == [
+        (7, "cam1", "HR", True), (31, "cam2", "FR", False),
+    ]  # fmt: skip
+    crop = widget.sheet[0]
+    jpeg = np.frombuffer(base64.b64decode(crop["url"].partition(",")[2]), np.uint8)
+    picture = cv2.imdecode(jpeg, cv2.IMREAD_COLOR_RGB)
+    assert picture.shape == (128, 128, 3)
+    # scene.frames paints paws: the middle of the ring has the colour of HR's paw
+    with open_views(load_trial(widget._trial.folder)) as views:
+        paw = views.frame(7)["cam1"].image()[round(v), round(u)]
+    x, y = (round(128 * share - 0.5) for share in crop["at"])
+    np.testing.assert_allclose(picture[y, x], paw, atol=25)
+    # another of the sheet may be answered first; that before it stays on the list
+    widget.edit("action", {"action": "ask about", "frame": 7, "value": "1"})
+    assert [(c["frame"], c["now"]) for c in widget.sheet] == [(31, True), (7, False)]
+    widget.edit("action", {"action": "ask about", "frame": 31, "value": "1"})
+    assert "Expected errors left: " in widget.status
     assert press(widget, "answer right") == 31
     assert press(widget, "answer skipped") is None
     assert widget.overlay(31)["look"]["views"] == {}
     assert widget.status.startswith("No doubtful label is left to ask about: 2 answers in 0.0 min")
     assert "retrack" in [action["id"] for action in widget.actions]
+    assert widget.sheet == []
 
 
 def test_answers_are_corrections_and_are_written_with_their_time(opened, tmp_path, monkeypatch):
@@ -117,6 +141,36 @@ def test_another_paw_is_an_exchange_up_to_the_encounters_and_settles_that_stretc
     assert edit.stop == 40
     now = widget.tracks["image_position"].to_numpy()[13:, 0, :, :, 0]
     np.testing.assert_array_equal(now, right["image_position"].to_numpy()[13:, 0, :, :, 0])
+
+
+def test_where_both_paws_are_in_one_place_nothing_is_exchanged(opened):
+    tracks = meeting()  # FR and HR pass each other in frames 12 and 13
+    widget = opened(tracks, suspects=doubts([12, "cam1", "HR", "a", 1.0]))
+    press(widget, "ask")
+    press(widget, "answer is FR")
+    (edit,) = widget.session.corrections
+    assert (type(edit).__name__, edit.frame, edit.stop, edit.view) == ("Delete", 12, 13, "cam1")
+
+
+def test_expected_errors_left_are_those_nobody_has_looked_at(opened):
+    tracks = scene.true_tracks()
+    tracks["image_confidence"].attrs["is_probability"] = 1
+    widget = opened(tracks)
+    wrong = 1.0 - label_chances(tracks)[:, 0, 1]  # of HR in cam1
+    everywhere = widget.expected_errors_left
+    assert everywhere > wrong.sum() > 0
+    widget.session.accept(20, "cam1", "HR")  # shows frames 17 to 23
+    left = everywhere - wrong[17:24].sum()
+    assert widget.expected_errors_left == pytest.approx(left)
+    u, v = scene.seen(30)[0, 1]
+    widget.session.move(30, "cam1", "HR", u=u, v=v)  # it was wrong: those beside it may be, too
+    assert widget.expected_errors_left == pytest.approx(left - wrong[30])
+    doubtful = widget._find_doubtful()
+    own = doubtful[(doubtful["view"] == "cam1") & (doubtful["point"] == "HR")]
+    assert not own["frame"].isin([*range(17, 24), 30]).any()
+    widget.session.undo()
+    widget.session.undo()
+    assert widget.expected_errors_left == pytest.approx(everywhere)
 
 
 def test_the_stretch_between_encounters(opened):

@@ -2,10 +2,12 @@
 
 import shutil
 
+import numpy as np
 import pytest
 import small_trial as scene
 
 import pawnb
+from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
 from pawnb.widgets import ClickInitialiser, TrackReviewer
 from pawnb.widgets.crop_canvas import CropCanvas, drag_corner
@@ -184,6 +186,41 @@ def test_a_long_list_is_shown_page_by_page(described, opened):
     assert len(bench._list.children[0].children) / 8 - 1 == 5
     bench._turn(20)
     assert len(bench._list.children[0].children) / 8 - 1 == 5
+
+
+def test_views_that_are_not_calibrated_are_on_the_same_page(described, opened):
+    rig = load_rig(pawnb.load_trial(described))
+    file = described / "trial.toml"
+    before = file.read_text().replace('[calibration]\ndlt = "DLTcoefs.csv"\n', "")
+    file.write_text(before)
+    (described / "DLTcoefs.csv").unlink()
+    # eight corners of a box that every view shows
+    xyz = np.array([[x, y, z] for x in (10, 60) for y in (0, 20) for z in (0, 15)], float)
+    rows = [f"p{k},{x},{y},{z}" for k, (x, y, z) in enumerate(xyz)]
+    (described / "known.csv").write_text("\n".join(["point,x,y,z", *rows]) + "\n")
+    bench = opened(described.parent)
+    buttons = [b.description for b in bench._list.children[0].children[-1].children[:2]]
+    assert buttons == ["Track", "Calibrate"]
+    bench.do("calibrate", described)
+    form = bench.tool.tool
+    form.way.value = "points"
+    with pytest.raises(InputError, match="name the file of the known points"):
+        form.begin()
+    form.file.value = "known.csv"
+    form.begin()
+    with pytest.raises(InputError, match="not every view is determined yet"):
+        form.use()
+    for k, uv in enumerate(rig.project(xyz)):
+        for view, (u, v) in zip(rig.names, uv, strict=True):
+            click = {"frame": 0, "view": view, "point": f"p{k}", "u": u, "v": v}
+            form.digitiser.edit("moved", click)
+    form.use()
+    assert file.read_text().startswith(before.rstrip())  # all else in the file is as it was
+    trial = pawnb.load_trial(described)
+    assert (trial.calibration.dlt, trial.calibration.pixels) == ("DLTcoefs.csv", "file")
+    np.testing.assert_allclose(load_rig(trial).project(xyz), rig.project(xyz), atol=1e-3)
+    assert isinstance(bench.tool.tool, ClickInitialiser)
+    assert "calibrated" in bench.session.states[0].done
 
 
 def test_words_on_what_is_wrong_can_be_read_on_a_dark_page(bare, opened):

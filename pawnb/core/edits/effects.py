@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D
+from pawnb.core.edits.pose_stretches import edit_legs, hide_leg
 from pawnb.core.edits.records import (
     Accept,
     Delete,
@@ -76,7 +77,8 @@ def apply_edit(
     tracks : xarray.Dataset
         Tracks of one individual with image positions; not modified.
     edit : Move, Accept, Hide, Swap, Pose or Retrack
-        The correction. Of a jointed animal it is a whole pose, or tracking again.
+        The correction. Of a jointed animal it is a whole pose, tracking again, or what is done to
+        its legs over a stretch (:func:`pawnb.core.edits.pose_stretches.edit_legs`).
     rig : Rig, optional
         The calibrated views.
     px_per_unit : float, optional
@@ -108,10 +110,12 @@ def apply_edit(
         if retrack is not None and edit.learn:
             retrack = partial(retrack, learn=True)
         if is_pose(tracks):
-            new = _poses_again(tracks, edit.frame, retrack)
+            new = _poses_again(tracks, edit.frame, retrack, hidden)
         else:
             new = _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
         return new if edit.stop is None else only_within(tracks, new, edit)
+    if is_pose(tracks) and isinstance(edit, Swap | Interpolate | Hide | Delete):
+        return edit_legs(tracks, edit)
     if is_pose(tracks):
         raise InputError(
             "a point of a jointed animal cannot be moved by itself; correct its pose with "
@@ -175,10 +179,20 @@ def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: _Solver) -> None:
             values[:, pair] = values[:, pair[::-1]]
 
 
-def _poses_again(tracks: Tracks, frame: int, retrack: Retracker | None) -> Tracks:
-    """Track poses again about a frame: the tracker itself keeps what a person posed."""
+def _poses_again(
+    tracks: Tracks, frame: int, retrack: Retracker | None, hidden: Iterable[Hide]
+) -> Tracks:
+    """Track poses again about a frame: the tracker itself keeps what a person posed.
+
+    Legs that were marked as not visible stay so.
+    """
     new = _tracker(retrack, frame)(tracks.copy(deep=True), frame)
     check_editable(new)
+    later = [hide for hide in hidden if hide.frame in new["frame"]]
+    if later:
+        new = new.copy(deep=True)
+        for hide in later:
+            hide_leg(new, rows_of_edit(new, hide), hide.point)
     return new
 
 

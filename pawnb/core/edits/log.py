@@ -368,6 +368,8 @@ def _hidden_by_hand(past: Sequence[Edit], tracks: Tracks) -> list[Hide]:
             hidden |= dict.fromkeys(places(edit))
         elif isinstance(edit, Move | Accept):
             hidden.pop((edit.frame, edit.view, edit.point), None)
+        elif isinstance(edit, Pose):
+            hidden = {place: None for place in hidden if place[0] != edit.frame}
         elif isinstance(edit, Interpolate):
             for place in places(edit):
                 hidden.pop(place, None)

@@ -52,7 +52,8 @@ class Canvas extends Keys {
     this.bar = element("div", "pawnb-bar");
     this.actions = element("div", "pawnb-bar");
     this.sliders = element("div", "pawnb-sliders");
-    root.append(this.lost, this.status, this.alarm, this.grid, this.detail);
+    this.sheet = new Sheet(this);
+    root.append(this.lost, this.status, this.alarm, this.sheet.el, this.grid, this.detail);
     if (this.timeline) root.append(this.timeline.el);
     root.append(this.bar, this.actions, this.sliders);
     this.buildBar();
@@ -60,6 +61,7 @@ class Canvas extends Keys {
     this.buildHelp();
     this.showActions();
     this.showSliders();
+    this.sheet.show();
     this.showStatus();
     el.append(root);
     root._pawnb = this; // for the tests in a real browser
@@ -381,6 +383,7 @@ class Canvas extends Keys {
       "change:stretch": () => this.timeline && this.timeline.chosen(),
       "change:selected": () => this.followSelected(),
       "change:cameras": () => { this.linked = new Linked(model.get("cameras")); },
+      "change:sheet": () => this.sheet.show(),
       "change:sliders": () => this.showSliders(),
       "change:status": () => this.showStatus(),
       "change:alarm": () => this.showStatus(),

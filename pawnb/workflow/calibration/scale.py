@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import re
 import tomllib
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Calibration, Trial, load_trial
+from pawnb.workflow.calibration.name_in_trial import with_field
 from pawnb.workflow.start.propose_pose import trial_background
 
 _WAIT_S = 5.0
@@ -104,7 +104,10 @@ def _put_scale(path: Path, value: float, known: Calibration) -> None:
             f"is, and {value:g} was not written: open the trial again."
         )
     section["px_per_unit"] = value
-    after = _with_scale(before, value)
+    start = before
+    if "calibration" not in parse_toml(before, where=str(path)):
+        start = with_field(before, "unit", "mm")
+    after = with_field(start, "px_per_unit", value)
     try:
         is_right = tomllib.loads(after) == expected
     except tomllib.TOMLDecodeError:
@@ -115,16 +118,3 @@ def _put_scale(path: Path, value: float, known: Calibration) -> None:
             f"px_per_unit = {value:g} there yourself."
         )
     write_text(after, path)
-
-
-def _with_scale(text: str, value: float) -> str:
-    """Return the text of a trial with another scale."""
-    line = f"px_per_unit = {value!r}"
-    section = re.search(r"^\[calibration\][^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE)
-    if section is None:
-        return f'{text.rstrip()}\n\n[calibration]\n{line}\nunit = "mm"\n'
-    body = section.group(1)
-    changed, count = re.subn(r"^px_per_unit\s*=\s*[^\s#]+", line, body, flags=re.MULTILINE)
-    if not count:
-        changed = f"{line}\n{body}"
-    return text[: section.start(1)] + changed + text[section.end(1) :]

@@ -18,9 +18,10 @@ from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import find_fault, known_files
 from pawnb.workflow.provenance.results import results_folder
 
-Step = Literal["mend", "start", "track", "review", "gait", "look"]
+Step = Literal["mend", "calibrate", "start", "track", "review", "gait", "look"]
 STEPS: dict[Step, str] = {
     "mend": "What to mend",
+    "calibrate": "Calibrate",
     "start": "Click the start",
     "track": "Track",
     "review": "Review",
@@ -78,7 +79,7 @@ class TrialState:
             return ("mend",)
         can: list[Step] = [self.next_step]
         if not self.trial.is_tracked_elsewhere:
-            can.append("start")
+            can += ["start", "calibrate"]
             if "started" in self.done:
                 can.append("track")
             if "tracked" in self.done:

@@ -1,0 +1,117 @@
+"""Naming a calibration in ``trial.toml``, everything else in the file left as it is."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+from pawnb.errors import InputError
+from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
+from pawnb.io.tables import write_text
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.calibration.written import Written
+
+_WAIT_S = 5.0
+
+
+def name_calibration(trial: Trial, written: Written) -> Trial:
+    """Write into ``trial.toml`` that a trial is calibrated by what was just written.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial that was read from its ``trial.toml``.
+    written : Written
+        The calibration, of the whole, unmirrored pictures, in the trial's folder.
+
+    Returns
+    -------
+    Trial
+        The trial with that calibration.
+
+    Raises
+    ------
+    InputError
+        If its cameras are not the trial's views, it lies elsewhere, or the trial is calibrated
+        another way or writes its calibration so that it cannot be changed here.
+    """
+    views = [view.name for view in trial.views]
+    if list(written.views) != views:
+        raise InputError(
+            f"the calibration is of {', '.join(written.views)}; the trial's views are "
+            f"{', '.join(views)}."
+        )
+    if written.out.resolve().parent != trial.folder.resolve():
+        raise InputError(f"{written.out} is not in the trial's folder, {trial.folder}.")
+    fields = {"dlt": written.out.name, "pixels": "file"}
+    if written.lenses is not None:
+        fields["lens"] = written.lenses.name
+    path = trial.path("trial.toml")
+    with locked(path, remedy="press again in a moment", wait_s=_WAIT_S):
+        _put(path, fields)
+    return load_trial(path)
+
+
+def _put(path: Path, fields: dict[str, str]) -> None:
+    """Change the file; raise InputError, and leave it, where that is not all that changes."""
+    before = read_text(path, expected="a trial.toml", most_bytes=MOST_TEXT_BYTES)
+    expected = parse_toml(before, where=str(path))
+    section = expected.setdefault("calibration", {})
+    other = [name for name in ("px_per_unit", "anipose", "opencv") if name in section]
+    if other:
+        raise InputError(
+            f"{path}: [calibration] has {', '.join(other)} already; take that out first, as a "
+            "trial is calibrated one way."
+        )
+    section |= fields
+    if "lens" not in fields:
+        section.pop("lens", None)
+    after = before
+    for name in ("dlt", "pixels", "lens"):
+        after = with_field(after, name, fields.get(name))
+    try:
+        is_right = tomllib.loads(after) == expected
+    except tomllib.TOMLDecodeError:
+        is_right = False
+    if not is_right:
+        lines = "; ".join(f'{name} = "{value}"' for name, value in fields.items())
+        raise InputError(
+            f"{path}: its calibration is not written as a section [calibration]; write {lines} "
+            "there yourself."
+        )
+    write_text(after, path)
+
+
+def with_field(text: str, name: str, value: str | float | None) -> str:
+    """Return the text of a trial with another field of its ``[calibration]``.
+
+    Parameters
+    ----------
+    text : str
+        The text of a ``trial.toml``.
+    name : str
+        The field.
+    value : str, float or None
+        What it is to be; None takes it out.
+
+    Returns
+    -------
+    str
+        The text, with a section ``[calibration]`` at its end where it had none.
+    """
+    line = "" if value is None else f"{name} = {json.dumps(value, ensure_ascii=False)}\n"
+    section = re.search(r"^\[calibration\][^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE)
+    if section is None:
+        return f"{text.rstrip()}\n\n[calibration]\n{line}" if line else text
+    body = section.group(1)
+    changed, count = re.subn(
+        rf"^{name}[ \t]*=[^\n]*?([ \t]*#[^\n]*)?(\n|\Z)",
+        lambda found: line and f"{line[:-1]}{found.group(1) or ''}\n",
+        body,
+        flags=re.MULTILINE,
+    )
+    if not count:
+        changed = f"{line}{body}"
+    return text[: section.start(1)] + changed + text[section.end(1) :]
