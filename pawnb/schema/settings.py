@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 import json
 import math
 import numbers
@@ -118,10 +117,15 @@ def check_ranges(
         raise InputError(f"setting {name!r} is {value}; expected {words}.")
 
 
-@functools.cache
+_HINTS: dict[type, dict[str, Any]] = {}
+"""Types of the fields of each dataclass that was asked for: to work them out takes a while."""
+
+
 def _hints(cls: type) -> dict[str, Any]:
-    """Return the types of a dataclass's fields; kept, as to work them out takes a while."""
-    return typing.get_type_hints(cls)
+    """Return the types of a dataclass's fields."""
+    if cls not in _HINTS:
+        _HINTS[cls] = typing.get_type_hints(cls)
+    return _HINTS[cls]
 
 
 def _options(hint: Any) -> tuple[Any, ...]:
