@@ -70,31 +70,43 @@ def opencv(folder: Path) -> tuple[str, str]:
     return f"{read:.1g}", f"{np.abs(again - expected).max():.1g}"
 
 
-def described(folder: Path, program: str) -> tuple[str, str]:
-    """Cameras in files made after the program's own description, shown by OpenCV's projection."""
+def pose2sim(folder: Path) -> tuple[str, str]:
+    """By Pose2Sim: its own writer, its own reader and projection; lenses bend by OpenCV's model."""
+    calibration, common = (importlib.import_module(f"Pose2Sim.{part}")
+                           for part in ("calibration", "common"))  # fmt: skip
     angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
     K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
-    D = np.array([-0.2, 0.05, 0.001, 0.0]) if program == "pose2sim" else np.zeros(4)
-    if program == "pose2sim":
-        path = folder / "Calib.toml"
-        path.write_text(
-            f'[a]\nname = "a"\nsize = [ 640.0, 480.0]\nmatrix = {K.tolist()}\n'
-            f"distortions = {D.tolist()}\nrotation = {angle.tolist()}\n"
-            f"translation = {t.tolist()}\nfisheye = false\n\n[metadata]\nadjusted = false\n"
-        )
-    else:
-        path = folder / "a.txt"
-        parts = {
-            "image size": [[640, 480]], "camera matrix": K.tolist(),
-            "rotation": cv2.Rodrigues(angle)[0].tolist(), "translation": t.reshape(3, 1).tolist(),
-        }  # fmt: skip
-        path.write_text("".join(
-            f"{head}\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n\n"
-            for head, rows in parts.items()
-        ))  # fmt: skip
+    D = np.array([-0.2, 0.05, 0.001, 0.0])
+    path = folder / "Calib_scene.toml"
+    calibration.toml_write(path, ["a"], [[640.0, 480.0]], [D], [K], [angle], [t])
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    cameras = read_cameras(path)
+    expected = cv2.projectPoints(xyz, angle, t, K, D)[0][:, 0]
+    read = np.abs(shown(cameras[0], xyz) - expected).max()
+    ours = write_cameras(cameras, folder / "ours.toml")
+    (P,), straight = common.computeP(ours), cv2.projectPoints(xyz, angle, t, K, np.zeros(4))[0]
+    again = np.array([common.reprojection([P], np.array([*point, 1.0])) for point in xyz])[..., 0]
+    bent = common.retrieve_calib_params(ours)["dist"][0]
+    write = max(np.abs(again - straight[:, 0]).max(), np.abs(bent[:4] - D).max())
+    return f"{read:.1g}", f"{write:.1g}"
+
+
+def xmalab(folder: Path) -> tuple[str, str]:
+    """By OpenCV's projection, of a MayaCam file made after XMALab's own description."""
+    angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
+    K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
+    path = folder / "a.txt"
+    parts = {
+        "image size": [[640, 480]], "camera matrix": K.tolist(),
+        "rotation": cv2.Rodrigues(angle)[0].tolist(), "translation": t.reshape(3, 1).tolist(),
+    }  # fmt: skip
+    path.write_text("".join(
+        f"{head}\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n\n"
+        for head, rows in parts.items()
+    ))  # fmt: skip
     xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
     (camera,) = read_cameras(path)
-    expected = cv2.projectPoints(xyz, angle, t, K, D)[0][:, 0]
+    expected = cv2.projectPoints(xyz, angle, t, K, np.zeros(4))[0][:, 0]
     return f"{np.abs(shown(camera, xyz) - expected).max():.1g} (described)", "-"
 
 

@@ -26,7 +26,7 @@ import numpy as np
 import pandas as pd
 import scipy.io
 import xarray as xr
-from format_cameras import aniposelib, coefficients, described, opencv
+from format_cameras import aniposelib, coefficients, opencv, pose2sim, xmalab
 
 from pawnb.io.formats import read_any_tracks, write_any_tracks
 from pawnb.io.points import build_tracks
@@ -346,8 +346,8 @@ ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
     ("2019 authors' csv", "none", authors2019),
     ("Anipose calibration.toml", "aniposelib", aniposelib),
     ("OpenCV yaml", "OpenCV", opencv),
-    ("Pose2Sim toml", "OpenCV", lambda f: described(f, "pose2sim")),
-    ("XMALab MayaCam txt", "OpenCV", lambda f: described(f, "xmalab")),
+    ("Pose2Sim toml", "Pose2Sim", pose2sim),
+    ("XMALab MayaCam txt", "OpenCV", xmalab),
     ("DLTdv 8 DLTcoefs", "OpenCV", lambda f: coefficients(f, "dltdv")),
     ("easyWand, DLTdv 7 DLTcoefs", "OpenCV", lambda f: coefficients(f, "easywand")),
     ("Argus DLTcoefs", "OpenCV", lambda f: coefficients(f, "argus")),

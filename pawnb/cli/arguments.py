@@ -336,8 +336,9 @@ def _add_reproduce(parsers: Any) -> None:
     more = "Exit status: 0 identical; 2 an input has changed or is missing; 3 it differs."
     command = parsers.add_parser("reproduce", help=text, description=text, epilog=more)
     command.add_argument(
-        "files", nargs="+", metavar="FILE", help="a figure, or a file of a folder of results"
-    )
+        "files", nargs="+", metavar="FILE",
+        help="a figure, a file of a folder of results, or such a folder: all that is in it",
+    )  # fmt: skip
     command.add_argument(
         "--inputs",
         metavar="FOLDER",

@@ -250,12 +250,17 @@ def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_reproduce(options: argparse.Namespace, _argv: list[str]) -> int:
     """Make files again and say whether they are the same."""
-    from pawnb.workflow.provenance.reproduce import EXIT_DIFFERS, reproduce_all
+    from pawnb.workflow.provenance.reproduce import EXIT_DIFFERS, made_files, reproduce_all
 
-    found = reproduce_all(options.files, inputs=options.inputs)
+    named = map(Path, options.files)
+    files = [file for path in named for file in (made_files(path) if path.is_dir() else [path])]
+    found = reproduce_all(files, inputs=options.inputs)
     for one in found:
         print(one.text())
-    return 0 if all(one.identical for one in found) else EXIT_DIFFERS
+    same = sum(one.identical for one in found)
+    if len(found) > 1:
+        print(f"{same} of {len(found)} identical")
+    return 0 if same == len(found) else EXIT_DIFFERS
 
 
 def run_report(options: argparse.Namespace, argv: list[str]) -> None:

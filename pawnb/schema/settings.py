@@ -53,7 +53,7 @@ def build_settings(
         For an unknown name (a near one is suggested) or a value of the wrong type.
     """
     fields = {f.name for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
-    hints = typing.get_type_hints(cls)
+    hints = _hints(cls)
     clean: dict[str, Any] = {}
     for name, value in values.items():
         if name not in fields:
@@ -83,7 +83,7 @@ def check_fields(item: Any, *, where: str) -> None:
     InputError
         For the first field whose value is of another type, or is no finite number.
     """
-    hints = typing.get_type_hints(type(item))
+    hints = _hints(type(item))
     for field in dataclasses.fields(item):
         value = getattr(item, field.name)
         what = f"{where} {field.name}"
@@ -115,6 +115,17 @@ def check_ranges(
             continue
         words = "a number, 0 or more" if name in least_0 else "a number above 0"
         raise InputError(f"setting {name!r} is {value}; expected {words}.")
+
+
+_HINTS: dict[type, dict[str, Any]] = {}
+"""Types of the fields of each dataclass that was asked for: to work them out takes a while."""
+
+
+def _hints(cls: type) -> dict[str, Any]:
+    """Return the types of a dataclass's fields."""
+    if cls not in _HINTS:
+        _HINTS[cls] = typing.get_type_hints(cls)
+    return _HINTS[cls]
 
 
 def _options(hint: Any) -> tuple[Any, ...]:

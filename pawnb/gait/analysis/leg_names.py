@@ -24,6 +24,7 @@ _DISTAL = (
 )
 """Words for parts of a leg, the outermost first; other parts are no feet when one of these is."""
 
+_FOUR_LEGS = frozenset({"FR", "HR", "FL", "HL"})
 _FRONT = ("snout", "nose", "head", "neck")
 _REAR = ("butt", "tailbase", "tail", "abdomen", "hip", "pelvis")
 _NOT_REAR = ("tip", "end", "mid", "middle", "center", "centre", "distal")
@@ -54,12 +55,19 @@ def guess_legs(points: Iterable[str]) -> dict[str, str]:
     dict
         Leg to point. Legs are called FR, HR, FL, HL where there are fore and hind ones, LF,
         LM, LH, RF, RM, RH where there are middle ones too, L1, R1, ... where they are
-        numbered. Empty where no name says side and place.
+        numbered. Empty where no name says side and place. A leg that has pawnb's own name keeps
+        it; words fill in those of the same kind that are left.
     """
     points = list(points)
     own = {point: point for point in points if find_leg_place(point) is not None}
-    if own:
-        return own
+    guessed = _guess_from_words(point for point in points if point not in own)
+    if not own or not own.keys() <= _FOUR_LEGS:
+        return own or guessed
+    return {leg: point for leg, point in guessed.items() if leg in _FOUR_LEGS} | own
+
+
+def _guess_from_words(points: Iterable[str]) -> dict[str, str]:
+    """Guess legs of names that say side and place in words."""
     best: dict[tuple[str, str], tuple[int, str]] = {}
     for point in points:
         read = _read(point)

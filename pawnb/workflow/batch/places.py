@@ -31,6 +31,9 @@ class Places(Protocol):
     def ended(self) -> dict[int, Answer]:
         """Return the answers of trials that have ended since this was last asked."""
 
+    def wait(self, at_most_s: float) -> None:
+        """Wait until a trial may have ended, no longer than so many seconds."""
+
     def stop(self) -> None:
         """Ask every trial under way to keep what is done and end; may be called again."""
 
@@ -73,6 +76,11 @@ class WorkerProcess:
     def kill(self) -> None:
         """End it at once."""
         self._process.kill()
+
+    def wait(self, at_most_s: float) -> None:
+        """Wait until it has ended, no longer than so many seconds."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(at_most_s)
 
     def answer(self) -> Answer | None:
         """Return what it said once it has ended, else None; afterwards it is closed."""
@@ -124,6 +132,12 @@ class Processes:
         for number in ended:
             del self._running[number]
         return ended
+
+    def wait(self, at_most_s: float) -> None:
+        """Wait for the trial that began first, no longer than so many seconds."""
+        for process in self._running.values():
+            process.wait(at_most_s)
+            return
 
     def stop(self) -> None:
         """Ask every trial under way to keep what is done and end."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -187,7 +186,8 @@ def _work(
                 job = running.pop(number)
                 job.status, job.said, job.verdict = answer
                 tell(_line(job, len(jobs)))
-            time.sleep(_WAIT_S if running or waiting else 0.0)
+            if running or waiting:
+                places.wait(_WAIT_S)
 
 
 def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:

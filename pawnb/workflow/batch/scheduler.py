@@ -8,9 +8,11 @@ read and written where they lie: every worker must reach them under the same pat
 
 from __future__ import annotations
 
+import threading
 import time
 import uuid
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +22,9 @@ from pawnb.workflow.batch.places import Answer, WorkerProcess
 _CONNECT_S = 10.0
 """So long a scheduler may be silent, at the beginning and in between, before it is gone."""
 _LOOK_S = 0.5
-"""How often a worker looks whether its process has ended or is to stop."""
-
+"""How often a worker looks whether its process is to stop."""
+_COUNT_S = 1.0
+"""How often workers are counted: to ask takes longer than to hand out a trial."""
 
 _GONE = "the scheduler no longer answers; run this again to go on"
 
@@ -60,6 +63,8 @@ class Scheduler:
         self._running: dict[int, Any] = {}
         self._refused: dict[int, Answer] = {}
         self._stopping = False
+        self._some_ended = threading.Event()
+        self._threads, self._counted_at = 0, -_COUNT_S
 
     def _is_gone(self) -> bool:
         """Say whether the scheduler no longer answers, and is no longer waited for."""
@@ -72,10 +77,13 @@ class Scheduler:
         """
         if self._is_gone():
             return True
-        try:
-            return len(self._running) < max(1, sum(self._client.nthreads().values()))
-        except OSError:  # it does not answer now; the client tries again, or gives up
-            return False
+        if time.monotonic() - self._counted_at >= _COUNT_S:
+            try:
+                self._threads = sum(self._client.nthreads().values())
+            except OSError:  # it does not answer now; the client tries again, or gives up
+                return False
+            self._counted_at = time.monotonic()
+        return len(self._running) < max(1, self._threads)
 
     def begin(self, number: int, order: Mapping[str, Any]) -> None:
         """Hand a trial to a worker; its paths become absolute."""
@@ -83,27 +91,49 @@ class Scheduler:
             self._refused[number] = Answer("failed", f"not begun: {_GONE}")
             return
         places = {name: str(Path(order[name]).resolve()) for name in ("trial", "out")}
-        self._running[number] = self._client.submit(
+        future = self._client.submit(
             track_on_worker, {**order, **places}, self._stop_name, pure=False, retries=0
         )
+        future.add_done_callback(lambda _future: self._some_ended.set())
+        self._running[number] = future
+
+    def wait(self, at_most_s: float) -> None:
+        """Wait until a trial has ended, no longer than so many seconds."""
+        if not self._refused:
+            self._some_ended.wait(at_most_s)
 
     def ended(self) -> dict[int, Answer]:
         """Return the answers of trials that have ended since this was last asked."""
+        self._some_ended.clear()
         ended, self._refused = self._refused, {}
-        for number, future in list(self._running.items()):
-            if future.status in ("pending", "processing"):
-                continue
-            if future.status == "finished":
-                ended[number] = Answer(*future.result())
-            elif future.status == "cancelled" and self._stopping:
-                ended[number] = Answer("stopped", "not begun")
-            elif self._client.status != "running":  # then the client takes all back
-                ended[number] = Answer("failed", f"{_GONE}, and what its worker has kept is there")
-            else:
-                error = future.exception() if future.status == "error" else "its worker is gone"
-                ended[number] = Answer("failed", f"the scheduler's worker failed: {error}")
+        status = {number: future.status for number, future in self._running.items()}
+        finished = [number for number, said in status.items() if said == "finished"]
+        ended.update(self._answers(finished))
+        for number, said in status.items():
+            if said in ("error", "cancelled", "lost"):
+                ended[number] = self._without_answer(self._running[number], said)
+        for number in ended.keys() & self._running.keys():
             del self._running[number]
         return ended
+
+    def _answers(self, finished: Sequence[int]) -> dict[int, Answer]:
+        """Return what workers said, all in one request, which takes as long as one alone."""
+        if not finished:
+            return {}
+        try:
+            said = self._client.gather([self._running[number] for number in finished])
+        except (OSError, CancelledError):  # the scheduler died meanwhile; asked again they say so
+            return {}
+        return {number: Answer(*one) for number, one in zip(finished, said, strict=True)}
+
+    def _without_answer(self, future: Any, status: str) -> Answer:
+        """Return what became of a trial whose worker never said it."""
+        if status == "cancelled" and self._stopping:
+            return Answer("stopped", "not begun")
+        if self._client.status != "running":  # then the client takes all back
+            return Answer("failed", f"{_GONE}, and what its worker has kept is there")
+        error = future.exception() if status == "error" else "its worker is gone"
+        return Answer("failed", f"the scheduler's worker failed: {error}")
 
     def stop(self) -> None:
         """Ask every trial under way to keep what is done and end; take back those that wait."""
@@ -149,7 +179,7 @@ def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str,
     process = WorkerProcess(order)
     try:
         while (answer := process.answer()) is None:
-            time.sleep(_LOOK_S)
+            process.wait(_LOOK_S)
             if stop.is_set():
                 process.ask_to_stop()
     except BaseException:

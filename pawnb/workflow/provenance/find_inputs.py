@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import glob
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from pawnb.errors import InputError
 from pawnb.workflow.provenance.record import file_checksum
+
+_NEAR = 3
+"""In so many of the places, the nearest, folders within are looked into, too."""
 
 
 def places_of(path: Path, inputs: str | Path | None) -> list[Path]:
@@ -48,8 +52,9 @@ def find_inputs(
     checksums : mapping
         What the record calls each input (``m1/results/tracks.nc``), to its checksum.
     places : iterable of Path
-        Folders to look in. In each the whole name is tried first, then without its first folders,
-        for a folder may have been renamed.
+        Folders to look in, the nearest first. In each the whole name is tried first, then without
+        its first folders, for a folder may have been renamed; where that is nowhere, the whole name
+        within folders of the nearest places, for results often lie beside a folder of data.
     of : str or Path
         What was made from them, for messages.
 
@@ -69,6 +74,7 @@ def find_inputs(
         parts = Path(label).parts
         tails = [Path(*parts[k:]) for k in range(len(parts))]
         there = [f for place in places for tail in tails if (f := place / tail).is_file()]
+        there = there or [file for place in places[:_NEAR] for file in _within(place, label)]
         same = next((file for file in there if file_checksum(file) == checksum), None)
         if same is None and there:
             raise InputError(
@@ -82,3 +88,11 @@ def find_inputs(
             )
         found[label] = same
     return found
+
+
+def _within(place: Path, label: str) -> list[Path]:
+    """Return the files of that name one or two folders down."""
+    if place == place.parent:  # the root of all holds more than anybody's inputs
+        return []
+    name = glob.escape(label)
+    return [f for up in ("*", "*/*") for f in sorted(place.glob(f"{up}/{name}")) if f.is_file()]

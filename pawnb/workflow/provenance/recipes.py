@@ -139,3 +139,5 @@ def _pdf_text(path: Path) -> str | None:
 _FIGURES: dict[str, Callable[[Path], str | None]] = {
     ".png": _png_text, ".svg": _svg_text, ".pdf": _pdf_text,
 }  # fmt: skip
+FIGURE_ENDINGS = tuple(_FIGURES)
+"""Endings of the files that carry their recipe."""

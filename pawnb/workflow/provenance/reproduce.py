@@ -23,7 +23,8 @@ from pawnb.workflow.evaluation.compare import draw_comparison
 from pawnb.workflow.gait.request import ASKED, Again, GaitRequest
 from pawnb.workflow.gait.run import carry_out
 from pawnb.workflow.provenance.find_inputs import find_inputs, places_of
-from pawnb.workflow.provenance.recipes import Recipe, read_recipe
+from pawnb.workflow.provenance.manifest import MANIFEST, read_manifest
+from pawnb.workflow.provenance.recipes import FIGURE_ENDINGS, Recipe, read_recipe
 from pawnb.workflow.provenance.record import package_versions, trial_fingerprint, trial_inputs
 from pawnb.workflow.provenance.report.index_page import INDEX_FILE
 from pawnb.workflow.provenance.results import write_track_results
@@ -134,6 +135,35 @@ def reproduce_all(
         together.setdefault(key, []).append((path, recipe))
     found = {path: one for same in together.values() for path, one in _make(same, inputs).items()}
     return [found[Path(path)] for path in paths]
+
+
+def made_files(folder: str | Path) -> list[Path]:
+    """Return what can be made again of a folder: all that its list names, else its figures.
+
+    Parameters
+    ----------
+    folder : str or Path
+        A folder of results, or one of figures.
+
+    Returns
+    -------
+    list of Path
+        Their paths, sorted; of a folder of figures without those of inner folders.
+
+    Raises
+    ------
+    InputError
+        If there is nothing.
+    """
+    folder = Path(folder)
+    manifest = read_manifest(folder)
+    if manifest is None:
+        found = [path for path in folder.iterdir() if path.suffix.lower() in FIGURE_ENDINGS]
+    else:
+        found = [folder / name for name in manifest.files]
+    if not found:
+        raise InputError(f"{folder}: holds no figure and no {MANIFEST}; name files to make again.")
+    return sorted(found)
 
 
 class _Task(NamedTuple):

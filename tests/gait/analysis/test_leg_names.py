@@ -26,6 +26,10 @@ from pawnb.gait.analysis.leg_names import guess_legs
          {"HL": "hindpaw_left", "FL": "leftFrontPaw", "HR": "RH toe"}),
         (["paw_FL", "paw_HR", "nose"], {"FL": "paw_FL", "HR": "paw_HR"}),
         (["FR", "HR", "nose", "left paw"], {"FR": "FR", "HR": "HR"}),
+        # one leg by pawnb's name, the others in words
+        (["front left paw", "hind_left (paw)", "HR", "HR paw"],
+         {"HR": "HR", "FL": "front left paw", "HL": "hind_left (paw)"}),
+        (["L1", "R1", "front left paw"], {"L1": "L1", "R1": "R1"}),
         # no side, or no leg: nothing is guessed
         (["Nose", "Ear base", "Hind paw tao"], {}),
         (["left_ear", "right_ear", "back", "tail_front"], {}),

@@ -108,7 +108,8 @@ def processes(folder, workers):
 
     try:
         scheduler = start("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
-        while not file.exists():
+        # it is there before it is written
+        while not file.exists() or not file.read_text().rstrip().endswith("}"):
             time.sleep(0.1)
         own = [start("dask_worker", "--nthreads", "1", "--no-nanny") for _ in range(workers)]
         yield json.loads(file.read_text())["address"], scheduler, own

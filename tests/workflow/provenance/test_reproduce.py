@@ -163,6 +163,19 @@ def test_inputs_are_told_by_their_checksums_though_folders_were_renamed(tmp_path
     assert found == {"old/tracks.nc": tmp_path / "new" / "tracks.nc"}
 
 
+def test_inputs_are_found_in_a_folder_of_data_beside_the_results(tmp_path):
+    """As of ``pawnb gait data/*/*.csv --out results``, whose labels begin below ``data``."""
+    data = tmp_path / "data [a] *" / "day 1" / "x.csv"
+    data.parent.mkdir(parents=True)
+    data.write_text("right")
+    places = list((tmp_path / "results" / "strides.csv").parents)
+    sums = {"day 1/x.csv": file_checksum(data)}
+    assert find_inputs(sums, places, of="strides.csv") == {"day 1/x.csv": data}
+    data.write_text("wrong")
+    with pytest.raises(InputError, match=r"x\.csv has changed since strides\.csv was made"):
+        find_inputs(sums, places, of="strides.csv")
+
+
 def _in_another_process(files, tmp_path, *options):
     """Make files again in a fresh process and another folder; return what it said."""
     elsewhere = tmp_path / "cwd"
@@ -177,23 +190,41 @@ def _in_another_process(files, tmp_path, *options):
 
 @pytest.mark.slow
 def test_every_figure_of_a_run_is_identical_elsewhere_and_in_another_process(tmp_path):
-    """Spiders with joints and paths in space, in two groups: nearly all that is ever drawn."""
+    """A study of spiders with joints and paths in space, sizes, two groups, other species."""
     made = synthetic.simulate_spider_study(animals=3, trials=1, seed=3)
-    inputs = []
+    study = ["[[species]]", 'file = "others.csv"', 'name = "own"', 'group = "Lycosidae"']
+    for animal, group in zip(made.animals.itertuples(), ("a", "a", "b"), strict=True):
+        sizes = f"mass_g = {animal.mass_g}\nbody_length_mm = {animal.body_length_mm}"
+        study += ["[[animals]]", f'id = "{animal.animal}"', f'group = "{group}"', sizes]
     for run in made.runs:
         folder = tmp_path / "study" / run.trial.name
         folder.mkdir(parents=True)
         write_tracks(describe_trial(run.tracks(), run.trial), folder / "tracks.nc")
-        inputs.append(folder)
+        study += ["[[trials]]", f'file = "{folder.name}"', f'animal = "{run.trial.animal.id}"']
+    others = [f"s{k},Lycosidae,{10.0 * k},{7.0 * k}" for k in (1, 2, 4)]
+    table = "\n".join(["name,group,mass_g,speed_cm_s", *others])
+    (tmp_path / "study" / "others.csv").write_text(table)
+    (tmp_path / "study" / "study.toml").write_text("\n".join(study))
     out = tmp_path / "study" / "gait"
-    run_gait(inputs, out=out, groups=["a", "a", "b"])
+    run_gait(tmp_path / "study" / "study.toml", out=out)
     moved = shutil.move(tmp_path / "study", tmp_path / "moved")
     files = sorted((Path(moved) / "gait" / "figures").iterdir())
     kinds = {read_recipe(f).step["step"] for f in files if f.suffix != ".csv"}
     assert kinds == {"gait"}
-    done = _in_another_process(files, tmp_path)
-    assert [line for line in done.stdout.splitlines() if not line.endswith(": identical")] == []
-    assert len(done.stdout.splitlines()) == len(files) > 40
+    drawn = {file.stem for file in files}
+    assert drawn > {
+        "species_others",
+        "against_mass_g",
+        "against_body_length_mm",
+        "estimation_speed",
+    }
+    done = _in_another_process([Path(moved) / "gait"], tmp_path)
+    assert [line for line in done.stdout.splitlines() if "differs" in line] == []
+    listed = {line.removesuffix(": identical") for line in done.stdout.splitlines()}
+    assert listed >= {str(file) for file in files}
+    assert len(files) > 40
+    number = len(done.stdout.splitlines()) - 1
+    assert done.stdout.splitlines()[-1] == f"{number} of {number} identical"
     assert done.returncode == 0, done.stderr
     # a figure that travels alone and was renamed
     alone = shutil.copy(Path(moved) / "gait" / "figures" / "phase_rose.pdf", tmp_path / "Fig2.pdf")
