@@ -28,7 +28,7 @@ from whole_accuracy import REFERENCE_WIDTH_PX, add_scene_arguments, silent, tria
 
 from pawnb.core.parameters import parameters_set, read_parameters
 from pawnb.core.paws.offline.detection.colour.detections import Detections
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.treadmill import tracker
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
 from pawnb.trial import Trial, load_trial

@@ -27,7 +27,7 @@ from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
 from pawnb.core.paws.offline.detection.features import feature_maps
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 from pawnb.core.paws.offline.scene.treadmill import Scene
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.pixels.grey import grey, has_colour
 
 LEAST_THICKNESS = 0.05

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
 from pawnb.core.parallel import on_threads
-from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
@@ -22,74 +21,13 @@ from pawnb.core.paws.offline.gap_closing.mht_kernels import (
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters, mht_parameters
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.rejection import frames_to_reassociate, runs
+from pawnb.core.paws.offline.gap_closing.state import GapClosing, TrackingState
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras
 from pawnb.core.paws.offline.gap_closing.usual_region import usual_region
 from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
-from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate
-
-
-@dataclass(frozen=True)
-class GapClosing:
-    """What was taken where paths are not certain.
-
-    Parameters
-    ----------
-    is_open : ndarray of bool, shape (n, P)
-        Frames whose detections were chosen here.
-    choice : ndarray of int, shape (n, P, V)
-        Number of the detection taken, -1 where none.
-    negative_log_odds : ndarray, shape (n, P, V, C)
-        What speaks against each detection being each point, minus a logarithm of odds.
-    held : ndarray, shape (n, P, d), optional
-        Where points stand though no path says so, NaN elsewhere.
-    lift_offs : list of (int, int)
-        Number of a point and the last frame in which it stands, for every lift-off.
-    substrate : Substrate, optional
-        What points stand on.
-    stances : list of list of Stance
-        When each point stands.
-    """
-
-    is_open: np.ndarray
-    choice: np.ndarray
-    negative_log_odds: np.ndarray
-    held: np.ndarray | None = None
-    lift_offs: list[tuple[int, int]] = field(default_factory=list)
-    substrate: Substrate | None = None
-    stances: list[list[Stance]] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class TrackingState:
-    """What is known of the points so far.
-
-    Parameters
-    ----------
-    assignment : Assignment
-        Certain places, NaN elsewhere.
-    before : ndarray, shape (n, P, d)
-        Tracks of an earlier pass, NaN where there was none, and
-    trust : ndarray, shape (n, P)
-        how much they are to be believed, 0 to 1.
-    stride : StrideModel
-        What is known of strides.
-    body : ndarray, shape (n, d), optional
-        The slowly moving middle of the animal, about which points stay.
-    """
-
-    assignment: Assignment
-    before: np.ndarray
-    trust: np.ndarray
-    stride: StrideModel
-    body: np.ndarray | None = None
-
-    @property
-    def chosen(self) -> np.ndarray:
-        """Certain places (n, P, d), NaN elsewhere."""
-        return self.assignment.at
 
 
 def close_gaps(
@@ -123,7 +61,6 @@ def close_gaps(
     GapClosing
         The choice.
     """
-    n, n_points, _ = state.chosen.shape
     is_open = frames_to_reassociate(
         state.chosen,
         state.assignment.by_hand,
@@ -138,7 +75,6 @@ def close_gaps(
     wrist_decoys = follow_wrist_decoys(
         stances, observations, substrate=substrate, geometry=geometry, paw_width_px=paw_width_px
     )
-    places = np.where(np.isnan(sure), state.before, sure)
     parameters = _mht_parameters(motion_model)
     closer = _GapCloser(
         state,
@@ -146,7 +82,7 @@ def close_gaps(
         *wrist_decoys.observed(observations, cost),
         substrate,
         stances,
-        geometry.project(places),
+        geometry.project(np.where(np.isnan(sure), state.before, sure)),
         parameters,
         process_noise_of(
             parameters,
@@ -159,21 +95,10 @@ def close_gaps(
             _appearance_cost(observations.detection_probability) - GAP_CLOSING.gap_closing_dim, 0.0
         ),
     )
-    choice = np.full((n, n_points, len(paw_width_px)), -1)
-    held = np.full(state.chosen.shape, np.nan)
-    gaps = [
-        (p, Gap.of(first, stop, is_open[:, p]))
-        for p in range(n_points)
-        for first, stop in runs(is_open[:, p])
-        # of an unlabelled target nobody has said that it was there
-        if first > 0 or state.assignment.by_hand[:, p].any()
-    ]
-    observed = on_threads(lambda one: closer.close(*one, tracked_in_view[one[0]]), gaps)
-    for (p, gap), (taken, stood, standing) in zip(gaps, observed, strict=True):
-        choice[gap.frames, p] = taken
-        held[gap.frames[stood], p] = standing
+    choice, held = closer.close_all(tracked_in_view, is_open)
     after = substrate.stances(np.where(np.isnan(held), sure, held))
-    lift_offs = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
+    stops = [(p, one.stop) for p, mine in enumerate(after) for one in mine]
+    lift_offs = [(p, stop - 1) for p, stop in stops if stop < len(is_open)]
     choice, cost = wrist_decoys.left_out(choice, cost)
     return GapClosing(is_open, choice, cost, held, lift_offs, substrate, after)
 
@@ -206,6 +131,34 @@ class _GapCloser:
     geometry: Projection
     paw_width_px: np.ndarray
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
+
+    def close_all(
+        self, tracked_in_view: np.ndarray, is_open: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Tell all stretches.
+
+        Returns
+        -------
+        choice : ndarray of int, shape (n, P, V)
+            The detections taken, -1 where none.
+        held : ndarray, shape (n, P, d)
+            Where points stand though no path says so, NaN elsewhere.
+        """
+        choice = np.full((*is_open.shape, len(self.paw_width_px)), -1)
+        held = np.full(self.sure.shape, np.nan)
+        by_hand = self.state.assignment.by_hand
+        gaps = [
+            (p, Gap.of(first, stop, is_open[:, p]))
+            for p in range(is_open.shape[1])
+            for first, stop in runs(is_open[:, p])
+            # of an unlabelled target nobody has said that it was there
+            if first > 0 or by_hand[:, p].any()
+        ]
+        observed = on_threads(lambda one: self.close(*one, tracked_in_view[one[0]]), gaps)
+        for (p, gap), (taken, stood, standing) in zip(gaps, observed, strict=True):
+            choice[gap.frames, p] = taken
+            held[gap.frames[stood], p] = standing
+        return choice, held
 
     def close(
         self, point: int, gap: Gap, tracked_in_view: np.ndarray

@@ -17,8 +17,8 @@ from pawnb.core.paws.offline.smoothing.forward_backward_distance import (
     NormalEquations,
     forward_backward_distance,
 )
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
 from pawnb.core.paws.offline.smoothing.smoother import covariances, diagonals, smooth
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.errors import InputError
 
 _BODY_PART = re.compile(

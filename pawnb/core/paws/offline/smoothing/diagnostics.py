@@ -7,17 +7,14 @@ from dataclasses import replace
 import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
+from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.smoothing.association_odds import association_log_odds
 from pawnb.core.paws.offline.smoothing.forward_backward_distance import (
     forward_backward_distance,
     leave_one_out,
 )
-from pawnb.core.paws.offline.smoothing.refinement import (
-    MeasurementModel,
-    SmoothedTracks,
-    deviations,
-)
+from pawnb.core.paws.offline.smoothing.refinement import MeasurementModel, deviations
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 
 

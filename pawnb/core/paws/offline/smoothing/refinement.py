@@ -7,104 +7,22 @@ view, and the track is smoothed again through them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from pawnb.core.paws.offline.association.network_flow.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
+from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import refinement_kernels as loops
 from pawnb.core.paws.offline.smoothing.forward_backward_distance import NormalEquations
 from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 from pawnb.core.paws.offline.smoothing.smoother import covariances, diagonals, smooth
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.stride.stance import expected_jerks
 from pawnb.core.paws.offline.stride.swing import Swings
-
-
-@dataclass(frozen=True)
-class SmoothedTracks:
-    """Smoothed tracks: n frames, P points, V views, d coordinates.
-
-    Parameters
-    ----------
-    x, sd : ndarray, shape (n, P, d)
-        Positions and their standard deviations.
-    measured : ndarray, shape (n, P, V, 2)
-        Detections taken, corrected by the offsets, NaN where none.
-    detection_probability : ndarray, shape (n, P, V)
-        How much each of them looks like the end of a paw, 0 to 1.
-    displacement_from_first_pass : ndarray, shape (n, P)
-        How far each position is from where an earlier decision had it, NaN where there was none.
-    association_log_odds : ndarray, shape (n, P, V)
-        How far detections are ahead of the next best ones (:mod:`.association_odds`), NaN where
-        none.
-    forward_backward_distance : ndarray, shape (n, P)
-        How far a pass forwards and one backwards are apart (:mod:`.forward_backward_distance`), NaN
-        where not known.
-    equations : NormalEquations, optional
-        What the tracks were smoothed from.
-    """
-
-    x: np.ndarray
-    sd: np.ndarray
-    measured: np.ndarray
-    detection_probability: np.ndarray
-    displacement_from_first_pass: np.ndarray
-    association_log_odds: np.ndarray
-    forward_backward_distance: np.ndarray
-    equations: NormalEquations | None = None
-
-    @classmethod
-    def unknown(cls, n: int, n_points: int, n_views: int, d: int) -> SmoothedTracks:
-        """Return tracks of which nothing is known.
-
-        Parameters
-        ----------
-        n, n_points, n_views, d : int
-            Numbers of frames, points, views and coordinates.
-
-        Returns
-        -------
-        SmoothedTracks
-            NaN everywhere, and no probability.
-        """
-        x, each = np.full((n, n_points, d), np.nan), np.full((n, n_points), np.nan)
-        measured = np.full((n, n_points, n_views, 2), np.nan)
-        none = np.zeros((n, n_points, n_views))
-        return cls(x, x, measured, none, each, np.full(none.shape, np.nan), each)
-
-    def points(self, which: np.ndarray | slice) -> SmoothedTracks:
-        """Return the tracks of some points, without what they were smoothed from."""
-        return SmoothedTracks(*(getattr(self, name)[:, which] for name in _OF_POINTS))
-
-    def with_points(self, which: np.ndarray, tracks: SmoothedTracks) -> SmoothedTracks:
-        """Return these tracks with those of the points that ``which`` (P,) picks out, in order.
-
-        Parameters
-        ----------
-        which : ndarray of bool, shape (P,)
-            Which points.
-        tracks : SmoothedTracks
-            Their tracks.
-
-        Returns
-        -------
-        SmoothedTracks
-            The tracks of all, without what they were smoothed from.
-        """
-        parts = []
-        for name in _OF_POINTS:
-            part = getattr(self, name).copy()
-            part[:, which] = getattr(tracks, name)
-            parts.append(part)
-        return SmoothedTracks(*parts)
-
-
-_OF_POINTS = tuple(field.name for field in fields(SmoothedTracks) if field.name != "equations")
-"""What tracks have of every frame and point."""
 
 
 @dataclass(frozen=True)
@@ -172,20 +90,15 @@ def refine(
     SmoothedTracks
         The tracks.
     """
-    n, n_points, d = start.shape
     held = np.full_like(start, np.nan) if gap_closing.held is None else gap_closing.held
-    standing = np.isfinite(held[..., 0])
-    hold = np.where(standing, 1.0 / (SMOOTHING.refinement_hold * measurement.paw_width) ** 2, 0.0)[
-        ..., None
-    ]
+    standing, is_open = np.isfinite(held[..., 0]), gap_closing.is_open
     changes = _jerk_model(gap_closing, start.shape, measurement.jerk, swings)
+    hold = np.where(standing, 1.0 / (SMOOTHING.refinement_hold * measurement.paw_width) ** 2, 0.0)
+    expected = _Expected(held, hold[..., None], changes, cycle, lateral_prior, swings)
     x, factors = _through_places(start, held, gap_closing, measurement, changes)
-    near = np.where(gap_closing.is_open & ~standing, SMOOTHING.near_open, SMOOTHING.refinement_near)
-    negative_log_odds = np.where(
-        gap_closing.is_open[..., None, None],
-        SMOOTHING.refinement_against * gap_closing.negative_log_odds,
-        0.0,
-    )
+    near = np.where(is_open & ~standing, SMOOTHING.near_open, SMOOTHING.refinement_near)
+    against = SMOOTHING.refinement_against * gap_closing.negative_log_odds
+    negative_log_odds = np.where(is_open[..., None, None], against, 0.0)
     by_hand = np.isfinite(certain[..., 0])
     taken = _taken(gap_closing, observations)
     for k in range(SMOOTHING.refinement_rounds):
@@ -193,9 +106,7 @@ def refine(
             x, near, negative_log_odds, observations, measurement
         )
         if k < SMOOTHING.refinement_bridged:
-            measured[gap_closing.is_open], detection_probability[gap_closing.is_open] = (
-                part[gap_closing.is_open] for part in taken
-            )
+            measured[is_open], detection_probability[is_open] = (part[is_open] for part in taken)
         measured[by_hand], detection_probability[by_hand] = certain[by_hand], 1.0
         for step in range(SMOOTHING.refinement_steps):
             weight = _weights(x, measured, detection_probability, measurement, robust=k + step > 0)
@@ -203,23 +114,26 @@ def refine(
                 1.0 / (0.05 * measurement.paw_width_px + 0.3) ** 2, weight.shape
             )[by_hand]
             W, z = _normal(x, measured, weight, measurement)
-            W += hold[..., None] * np.eye(d)
-            z += hold * np.nan_to_num(held)
-            if lateral_prior is not None:
-                lateral_prior.add(W, z, np.isfinite(measured[..., 0]).sum(axis=-1))
-            seen = np.isfinite(measured[..., 0]).any(axis=-1)
-            if cycle is not None:
-                _pull(W, z, _expected(seen), to=cycle.mean, sd=cycle.sd, axes=cycle.axes)
-            if swings is not None and changes.axes is not None:
-                on_arc = np.where(_is_followed(seen), 0.0, SMOOTHING.refinement_pull)
-                _pull(W, z, on_arc, to=swings.place, sd=swings.sd, axes=changes.axes)
-            for p in range(n_points):
+            expected.add(W, z, np.isfinite(measured[..., 0]))
+            for p in range(start.shape[1]):
                 x[:, p], factors[p] = changes.smooth(p, W[:, p], z[:, p])
-    covariance = covariances(factors, d, axes=changes.axes)
+    return _smoothed(x, factors, measured, detection_probability, (W, z, changes, measurement))
+
+
+def _smoothed(
+    x: np.ndarray,
+    factors: np.ndarray,
+    measured: np.ndarray,
+    detection_probability: np.ndarray,
+    solved: tuple[np.ndarray, np.ndarray, _JerkModel, MeasurementModel],
+) -> SmoothedTracks:
+    """Return tracks, with their standard deviations and what they ``solved``."""
+    W, z, changes, measurement = solved
+    covariance = covariances(factors, x.shape[-1], axes=changes.axes)
     sd = np.sqrt(diagonals(covariance)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
     alike = (0.06**2 + measurement.unsure**2) * measurement.paw_width**2
-    not_known = np.full((n, n_points), np.nan)
+    not_known = np.full(x.shape[:2], np.nan)
     return SmoothedTracks(
         x,
         np.sqrt(2.0 * sd**2 + alike[:, None]),
@@ -232,6 +146,31 @@ def refine(
             W, z, changes.jerk2, changes.jerk_mean, changes.axes, covariance.swapaxes(0, 1)
         ),
     )
+
+
+@dataclass(frozen=True)
+class _Expected:
+    """What draws points besides detections."""
+
+    held: np.ndarray  # (n, P, d), where they stand, NaN elsewhere
+    hold: np.ndarray  # (n, P, 1), information of that
+    changes: _JerkModel
+    cycle: Cycle | None
+    lateral_prior: LateralPrior | None
+    swings: Swings | None
+
+    def add(self, W: np.ndarray, z: np.ndarray, is_measured: np.ndarray) -> None:
+        """Add it to information (n, P, d, d) and target (n, P, d) of measurements (n, P, V)."""
+        W += self.hold[..., None] * np.eye(z.shape[-1])
+        z += self.hold * np.nan_to_num(self.held)
+        if self.lateral_prior is not None:
+            self.lateral_prior.add(W, z, is_measured.sum(axis=-1))
+        seen, cycle, swings = np.asarray(is_measured.any(axis=-1)), self.cycle, self.swings
+        if cycle is not None:
+            _pull(W, z, _expected(seen), to=cycle.mean, sd=cycle.sd, axes=cycle.axes)
+        if swings is not None and self.changes.axes is not None:
+            on_arc = np.where(_is_followed(seen), 0.0, SMOOTHING.refinement_pull)
+            _pull(W, z, on_arc, to=swings.place, sd=swings.sd, axes=self.changes.axes)
 
 
 def deviations(detection_probability: np.ndarray, measurement: MeasurementModel) -> np.ndarray:

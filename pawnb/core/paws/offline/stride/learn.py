@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
 from pawnb.core.paws.offline.gap_closing.rejection import without_hops
+from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor, learn_duty_factor
 from pawnb.core.paws.offline.stride.model import StrideModel

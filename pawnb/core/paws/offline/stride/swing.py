@@ -120,19 +120,12 @@ def learn_swings(
     motion_model = substrate.motion_model
     seen = (weight > STRIDE.swing_seen) & np.isfinite(x[..., 0])
     stances = since_landing(stances, x, seen=seen, substrate=substrate)
-    found = [
-        swing
-        for swing in find_swings(
-            stances,
-            seen,
-            duty_factor,
-            certain=certain,
-            fps=fps,
-            substrate_velocity=substrate.substrate_velocity,
-        )
-        if (swing.end - swing.begin) @ motion_model.axes[0]
-        > STRIDE.least_step * motion_model.paw_width
-    ]
+    every = find_swings(
+        stances, seen, duty_factor, certain=certain, fps=fps,
+        substrate_velocity=substrate.substrate_velocity,
+    )  # fmt: skip
+    least = STRIDE.least_step * motion_model.paw_width
+    found = [one for one in every if (one.end - one.begin) @ motion_model.axes[0] > least]
     place, sd, jerk_mean = (np.full(x.shape, np.nan) for _ in range(3))
     lift_offs: list[tuple[int, float, float]] = []
     still = (
@@ -152,12 +145,7 @@ def learn_swings(
             mine, *fit_swings(trajectory, part, _guess(mine)), strict=True
         ):
             frames, path, spread = _path(swing, values, covariance, trajectory, substrate, outside)
-            third = np.full(path.shape, np.nan)
-            third[1:-2] = np.diff(path, 3, axis=0)
-            here = (frames >= 0) & (frames < len(x))
-            inside = here & (frames > values[0]) & (frames < values[1])
-            bent = here & np.isfinite(third[:, 0])
-            bent &= frames < values[0] + STRIDE.bend_to * (values[1] - values[0])
+            inside, bent, third = _bend(frames, path, values, len(x))
             place[frames[inside], swing.point] = path[inside]
             sd[frames[inside], swing.point] = spread[inside]
             jerk_mean[frames[bent], swing.point] = third[bent]
@@ -173,6 +161,19 @@ def _usual(swings: Sequence[Swing]) -> list[Swing]:
     usual = float(np.median(lasts))
     usually = (lasts > usual / STRIDE.swing_odd) & (lasts < usual * STRIDE.swing_odd)
     return [one for one, kept in zip(swings, usually, strict=True) if kept]
+
+
+def _bend(
+    frames: np.ndarray, path: np.ndarray, values: np.ndarray, n: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return which frames lie in a swing, in which its path tells how it bends, and how."""
+    third = np.full(path.shape, np.nan)
+    third[1:-2] = np.diff(path, 3, axis=0)
+    here = (frames >= 0) & (frames < n)
+    inside = here & (frames > values[0]) & (frames < values[1])
+    bent = here & np.isfinite(third[:, 0])
+    bent &= frames < values[0] + STRIDE.bend_to * (values[1] - values[0])
+    return inside, bent, third
 
 
 def _outside(still: np.ndarray, kinds: Sequence[str]) -> np.ndarray:

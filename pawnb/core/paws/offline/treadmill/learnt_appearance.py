@@ -31,12 +31,11 @@ from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_lan
 from pawnb.core.paws.offline.parameters import APPEARANCE, AppearanceParameters
 from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view
 from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.annotated import Annotated, read_request_and_annotations
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 from pawnb.core.paws.offline.treadmill.tracker import (
-    Annotated,
     join_landmarks,
-    read_request_and_annotations,
     scan_and_follow,
     scene_of_paws,
     solve,

@@ -9,7 +9,7 @@ import xarray as xr
 
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 
@@ -81,17 +81,7 @@ def _write(
     seen = np.isfinite(result.measured[..., 0])
     known = np.isfinite(result.x[..., 0])
     count = seen.sum(axis=-1)
-    enough = 1 if d == 2 else 2
-    origin = np.where(
-        count >= enough,
-        ORIGIN_CODE["measured"],
-        np.where(count == 1, ORIGIN_CODE["resolved"], ORIGIN_CODE["predicted"]),
-    )
-    image_origin = np.where(
-        seen,
-        ORIGIN_CODE["measured"],
-        np.where((count > 0)[..., None], ORIGIN_CODE["reprojected"], ORIGIN_CODE["predicted"]),
-    )
+    origin, image_origin = _origins(seen, enough=1 if d == 2 else 2)
     detection_probability = np.where(seen, result.detection_probability, 0.0)
     confidence = detection_probability.sum(axis=-1) / np.maximum(count, 1)
     off = np.linalg.norm(result.measured - uv, axis=-1)  # NaN where a view saw nothing
@@ -119,6 +109,17 @@ def _write(
     new["image_confidence"][rows, ..., 0] = detection_probability.transpose(0, 2, 1)
     new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
     new["image_separation"][rows, ..., 0] = result.association_log_odds.transpose(0, 2, 1)
+
+
+def _origins(seen: np.ndarray, *, enough: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the origins of positions (n, P) and image positions (n, P, V), given who saw them."""
+    count = seen.sum(axis=-1)
+    alone = np.where(count == 1, ORIGIN_CODE["resolved"], ORIGIN_CODE["predicted"])
+    others = np.where((count > 0)[..., None], ORIGIN_CODE["reprojected"], ORIGIN_CODE["predicted"])
+    return (
+        np.where(count >= enough, ORIGIN_CODE["measured"], alone),
+        np.where(seen, ORIGIN_CODE["measured"], others),
+    )
 
 
 def keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:

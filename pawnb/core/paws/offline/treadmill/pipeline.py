@@ -14,7 +14,8 @@ import numpy as np
 from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
 from pawnb.core.paws.offline.smoothing.diagnostics import with_diagnostics
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks, refine
+from pawnb.core.paws.offline.smoothing.refinement import refine
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.stride.learn import learn_stride
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 from pawnb.core.paws.offline.treadmill.recording import Recording

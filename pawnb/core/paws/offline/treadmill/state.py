@@ -10,8 +10,9 @@ from pawnb.core.paws.offline.association.network_flow.assignment import Assignme
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import (
     TrackletAssociator,
 )
-from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing, TrackingState
-from pawnb.core.paws.offline.smoothing.refinement import MeasurementModel, SmoothedTracks
+from pawnb.core.paws.offline.gap_closing.state import GapClosing, TrackingState
+from pawnb.core.paws.offline.smoothing.refinement import MeasurementModel
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.stride.learn import Gait
 from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL

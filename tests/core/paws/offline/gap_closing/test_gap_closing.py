@@ -8,7 +8,8 @@ import pytest
 from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing import gap_closing
-from pawnb.core.paws.offline.gap_closing.gap_closing import TrackingState, close_gaps
+from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
+from pawnb.core.paws.offline.gap_closing.state import TrackingState
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.cycle import Cycle

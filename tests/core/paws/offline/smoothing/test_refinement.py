@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
+from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.smoothing.forward_backward_distance import (

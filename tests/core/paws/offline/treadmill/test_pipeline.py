@@ -10,13 +10,13 @@ import pytest
 
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses, Volume
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
+from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.scene.views import SideViews, SingleView
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.smoothing.diagnostics import stated_sd
-from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
+from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.stride import learn
 from pawnb.core.paws.offline.treadmill import pipeline, targets
 from pawnb.core.paws.offline.treadmill.recording import Recording

@@ -44,7 +44,7 @@ class LinkingModel:
     best_cost: float
 
 
-@dataclass
+@dataclass(frozen=True)
 class Tracklet:
     """One tracklet: the places ``detection_indices[i]`` of frames ``first + i``.
 

@@ -268,15 +268,10 @@ class _Lesson:
             ratio, usual = told(COLOUR.reach_few)
         limit = COLOUR.colour_model_sure * min(1.0, max(usual, 0.0) / 2.0)
         if fine_colours is not None:
-            paws = self.patches(round(2.0 * COLOUR.colour_model_reach * self.width))
-            others = [part & ~paw for part, paw in zip(rest[0], paws, strict=True)]
-            passing = float(
-                np.quantile(_scores(ratio, numbers, others), 1.0 - COLOUR.colour_model_passing)
-            )
+            passing = self._passing(ratio, numbers, rest[0])
             limit = max(limit, min(passing, COLOUR.most_limit * usual))
-        gain = float(
-            np.clip(COLOUR.colour_model_usual / max(usual - limit, 0.1), 1.0, COLOUR.most_gain)
-        )
+        gain = COLOUR.colour_model_usual / max(usual - limit, 0.1)
+        gain = float(np.clip(gain, 1.0, COLOUR.most_gain))
         table = np.clip(
             (ratio - limit) * gain, -COLOUR.colour_model_limit, COLOUR.colour_model_limit
         ).astype(np.float32)
@@ -293,6 +288,16 @@ class _Lesson:
             usual=float(np.clip(at_clicks, COLOUR.least_usual, COLOUR.colour_model_limit)),
             mistaken=float(np.mean(_scores(table, numbers, rest[-1]) > 0.0)),
             fine_colours=fine_colours,
+        )
+
+    def _passing(
+        self, ratio: np.ndarray, numbers: Sequence[np.ndarray], rest: Sequence[np.ndarray]
+    ) -> float:
+        """Return the ratio that few pixels of the rest, paws left out, have more than."""
+        paws = self.patches(round(2.0 * COLOUR.colour_model_reach * self.width))
+        others = [part & ~paw for part, paw in zip(rest, paws, strict=True)]
+        return float(
+            np.quantile(_scores(ratio, numbers, others), 1.0 - COLOUR.colour_model_passing)
         )
 
 

@@ -1,0 +1,92 @@
+"""Smoothed tracks, the outcome of the decision over a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from pawnb.core.paws.offline.smoothing.forward_backward_distance import NormalEquations
+
+
+@dataclass(frozen=True)
+class SmoothedTracks:
+    """Smoothed tracks: n frames, P points, V views, d coordinates.
+
+    Parameters
+    ----------
+    x, sd : ndarray, shape (n, P, d)
+        Positions and their standard deviations.
+    measured : ndarray, shape (n, P, V, 2)
+        Detections taken, corrected by the offsets, NaN where none.
+    detection_probability : ndarray, shape (n, P, V)
+        How much each of them looks like the end of a paw, 0 to 1.
+    displacement_from_first_pass : ndarray, shape (n, P)
+        How far each position is from where an earlier decision had it, NaN where there was none.
+    association_log_odds : ndarray, shape (n, P, V)
+        How far detections are ahead of the next best ones (:mod:`.association_odds`), NaN where
+        none.
+    forward_backward_distance : ndarray, shape (n, P)
+        How far a pass forwards and one backwards are apart (:mod:`.forward_backward_distance`), NaN
+        where not known.
+    equations : NormalEquations, optional
+        What the tracks were smoothed from.
+    """
+
+    x: np.ndarray
+    sd: np.ndarray
+    measured: np.ndarray
+    detection_probability: np.ndarray
+    displacement_from_first_pass: np.ndarray
+    association_log_odds: np.ndarray
+    forward_backward_distance: np.ndarray
+    equations: NormalEquations | None = None
+
+    @classmethod
+    def unknown(cls, n: int, n_points: int, n_views: int, d: int) -> SmoothedTracks:
+        """Return tracks of which nothing is known.
+
+        Parameters
+        ----------
+        n, n_points, n_views, d : int
+            Numbers of frames, points, views and coordinates.
+
+        Returns
+        -------
+        SmoothedTracks
+            NaN everywhere, and no probability.
+        """
+        x, each = np.full((n, n_points, d), np.nan), np.full((n, n_points), np.nan)
+        measured = np.full((n, n_points, n_views, 2), np.nan)
+        none = np.zeros((n, n_points, n_views))
+        return cls(x, x, measured, none, each, np.full(none.shape, np.nan), each)
+
+    def points(self, which: np.ndarray | slice) -> SmoothedTracks:
+        """Return the tracks of some points, without what they were smoothed from."""
+        return SmoothedTracks(*(getattr(self, name)[:, which] for name in _OF_POINTS))
+
+    def with_points(self, which: np.ndarray, tracks: SmoothedTracks) -> SmoothedTracks:
+        """Return these tracks with those of the points that ``which`` (P,) picks out, in order.
+
+        Parameters
+        ----------
+        which : ndarray of bool, shape (P,)
+            Which points.
+        tracks : SmoothedTracks
+            Their tracks.
+
+        Returns
+        -------
+        SmoothedTracks
+            The tracks of all, without what they were smoothed from.
+        """
+        parts = []
+        for name in _OF_POINTS:
+            part = getattr(self, name).copy()
+            part[:, which] = getattr(tracks, name)
+            parts.append(part)
+        return SmoothedTracks(*parts)
+
+
+_OF_POINTS = tuple(field.name for field in fields(SmoothedTracks) if field.name != "equations")
+"""What tracks have of every frame and point."""
