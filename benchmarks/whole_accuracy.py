@@ -330,7 +330,9 @@ def keep_films(table: pd.DataFrame, path: Path) -> None:
     if path.exists():
         rows = pd.concat([pd.read_csv(path, dtype=str), rows])
     key = ["scenes", "px wide", "seed", "film"]
-    rows.drop_duplicates(key, keep="last").to_csv(path, index=False)
+    places = rows.drop_duplicates(key)[key]  # a row that is replaced stays where it was
+    rows = places.merge(rows.drop_duplicates(key, keep="last"), on=key)[rows.columns]
+    rows.to_csv(path, index=False)
 
 
 def side_by_side(table: pd.DataFrame) -> str:
