@@ -1,10 +1,11 @@
-"""Learn how likely labels are right from what is measured of them: `offline/calibration.py`.
+"""Learn how likely labels are right from what is measured of them.
 
 python benchmarks/learn_calibration.py [--clips NAME ...] [--clicks 1 2 3 5] [--cache FOLDER]
 
 Tracks real clips with marks (see real_clip_marks.py) by learnt evidence from a few clicked frames
-and takes the signs (`offline/signs.py`) of the labels that have a mark. A logistic regression, in
-which no sign may count against its meaning, gives their weights; each clip and number of clicked
+and takes the signs (`offline/quality/signs.py`) of the labels that have a mark. A logistic
+regression, in which no sign may count against its meaning, gives the weights of
+`offline/quality/calibration.py`; each clip and number of clicked
 frames weighs the same. Every clip is then judged by weights learnt from all others: share right
 and expected, verdicts, how often a wrong label has a smaller chance than a right one (AUROC),
 and marks inside the 95 % intervals. Last come the weights that all clips together give.
@@ -28,7 +29,7 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 import pawnb
-from pawnb.core.paws.offline import tracker
+from pawnb.core.paws.offline import learnt_run
 from pawnb.core.paws.offline.output import SEEN
 from pawnb.core.paws.offline.quality.calibration import standard_deviation
 from pawnb.core.paws.offline.quality.measures import QualityLimits
@@ -74,7 +75,7 @@ def labels(clip: real.Clip, n: int, cache: Path) -> pd.DataFrame | None:
     if not kept.exists():
         with (
             tempfile.TemporaryDirectory() as made,
-            mock.patch.object(tracker, "view_track", wraps=tracker.view_track) as seen,
+            mock.patch.object(learnt_run, "view_track", wraps=learnt_run.view_track) as seen,
         ):
             trial = pawnb.load_trial(write_trial(clip, clicks, Path(made)))
             tracks = pawnb.track(trial, settings={"evidence": "learnt"})
