@@ -127,7 +127,7 @@ def measure(
         signs = dict(zip(SIGNS, own.signs.columns()[row], strict=True))
         found.append({
             "point": points.index(mark.point), "ok": np.hypot(*off) <= px,
-            "off_u": off[0], "off_v": off[1], **signs,
+            "off_u": off[0], "off_v": off[1], **signs, "probability": own.signs.probability[row],
             "sd_px": own.found.sd[row] * stack.spacing / stack.scale, "extent": stack.extent_px,
         })  # fmt: skip
     return pd.DataFrame(found)
@@ -185,8 +185,9 @@ def report(labels: pd.DataFrame, left_out: pd.DataFrame) -> None:
     for clip in labels["clip"].unique():
         own, known = ((table["clip"] == clip).to_numpy() for table in (labels, left_out))
         weights, offset = learn(labels[~own], left_out[~known])
-        signs = heard(labels[own], left_out[known], weights, offset)[list(SIGNS)]
-        chance[own] = expit(signs.to_numpy(float) @ weights + offset)
+        marks = heard(labels[own], left_out[known], weights, offset)
+        odds = marks[list(SIGNS)].to_numpy(float) @ weights + offset
+        chance[own] = np.minimum(expit(odds), marks["probability"])
     labels = labels.assign(chance=chance)
     rows = [judge(clip, n, own) for (clip, n), own in labels.groupby(["clip", "clicks"])]
     print(markdown(pd.DataFrame(rows)))

@@ -16,13 +16,11 @@ import numpy as np
 from pawnb.core.paws.offline.association.estimates import Estimates
 
 SIGNS = {
-    "probability": 1, "motion": 1, "look": 1, "look_along": 1, "broken": -1, "usual_look": 1,
+    "motion": 1, "look": 1, "look_along": 1, "broken": -1, "usual_look": 1,
     "left_out": 1,
 }  # fmt: skip
 """The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
 
-_SUREST = 2.5e-3
-"""No probability counts as nearer to 0 or 1."""
 _LEAST = 1e-2
 """Agreement below this breaks a way no more."""
 _MOST = 200.0
@@ -38,7 +36,7 @@ class Signs:
     Parameters
     ----------
     probability : ndarray, shape (n,)
-        Probability within about half a paw, by the hidden Markov model.
+        Probability within about half a paw, by the hidden Markov model: no label is surer.
     motion : ndarray, shape (n,)
         Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow from no
         click comes so far.
@@ -68,14 +66,10 @@ class Signs:
     left_out: float = 0.0
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 7) as they enter the calibration."""
-        p = np.clip(self.probability, _SUREST, 1 - _SUREST)
+        """Return the signs (n, 6) as they enter the calibration."""
         broken = np.log1p(np.minimum(self.broken, _MOST))
         usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
-        odds = np.log(p / (1 - p))
-        return np.stack(
-            [odds, self.motion, self.look, self.look_along, broken, usual, left_out], axis=-1
-        )
+        return np.stack([self.motion, self.look, self.look_along, broken, usual, left_out], axis=-1)
 
 
 def read_signs(

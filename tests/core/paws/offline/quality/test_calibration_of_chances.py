@@ -36,8 +36,14 @@ def test_every_sign_speaks_for_or_against_a_label(sign, better, worse):
     assert probability_right(more) > probability_right(less)
 
 
+def test_no_label_is_surer_than_the_model_itself():
+    """Of 57 marks that it gave less than 0.9, 14 were right."""
+    unsure = dataclasses.replace(USUAL, motion=np.array([2.5]), probability=np.array([0.3]))
+    np.testing.assert_allclose(probability_right(unsure), 0.3)
+
+
 def test_a_label_without_any_click_stays_a_chance():
-    chance = probability_right(Signs(*np.zeros((4, 1)), np.array([np.inf]), 0.0))
+    chance = probability_right(Signs(np.ones(1), *np.zeros((3, 1)), np.array([np.inf]), 0.0))
     assert 0 < chance < 0.3
 
 

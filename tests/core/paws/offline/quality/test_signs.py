@@ -64,7 +64,6 @@ def test_signs_are_read_at_the_estimate():
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
     np.testing.assert_allclose(columns["usual_look"], -0.7)
     np.testing.assert_allclose(columns["left_out"], -0.3)
-    np.testing.assert_allclose(columns["probability"], 0.0)  # even odds
 
 
 def test_agreement_of_nothing_is_a_break_and_not_the_end():
