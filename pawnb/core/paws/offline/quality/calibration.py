@@ -14,8 +14,8 @@ from below with 1, 2, 3 and 5 clicked frames (the mouse 1 and 2), 18 runs, by
 ``benchmarks/learn_calibration.py``. The offset is 0.5 below the fit, as good that is said in vain
 costs more than a look. Of clips that weights were not learnt from, 15 of 18 verdicts are right and
 none is too kind, the area under the ROC curve is 0.89, and 58 % of wrong labels are doubted, 7 % of
-right ones. Without what left-out clicks say: 14, 0.88, 50 and 7 %; without looks along stretches 15,
-0.89, 55 and 8 %."""
+right ones. Without what left-out clicks say: 14, 0.88, 50 and 7 %; without looks along stretches
+15, 0.89, 55 and 8 %."""
 _CLICK_SD, _ASTRAY_SD = 0.014, 0.4
 """Standard deviations of labels that are right, and of those that are astray, in extents."""
 _BEYOND, _LIMIT = 0.05, 1.96
