@@ -27,7 +27,7 @@ import real_clip_marks as real
 from real_clips import FINISHED, write_trial
 
 from pawnb.cli import main as pawnb_command
-from pawnb.core.paws.offline import tracker
+from pawnb.core.paws.offline import learnt_run
 from pawnb.core.paws.offline.parameters import OfflineParameters
 
 _NOTHING = 1e-9
@@ -63,7 +63,7 @@ def right(clip: real.Clip, n: int, kinds: set[str]) -> float:
     clicks, parameters = clip.clicks(n), parameters_of(kinds)
     with (
         tempfile.TemporaryDirectory() as made,
-        mock.patch.object(tracker, "parameters_in_force", return_value=parameters),
+        mock.patch.object(learnt_run, "parameters_in_force", return_value=parameters),
     ):
         folder = write_trial(clip, clicks, Path(made))
         with contextlib.redirect_stdout(sys.stderr):

@@ -1,13 +1,15 @@
-"""Learn how likely labels are right from what is measured of them: `offline/calibration.py`.
+"""Learn how likely labels are right from what is measured of them.
 
 python benchmarks/learn_calibration.py [--clips NAME ...] [--clicks 1 2 3 5] [--cache FOLDER]
 
 Tracks real clips with marks (see real_clip_marks.py) by learnt evidence from a few clicked frames
-and takes the signs (`offline/signs.py`) of the labels that have a mark. A logistic regression, in
-which no sign may count against its meaning, gives their weights; each clip and number of clicked
-frames weighs the same. Every clip is then judged by weights learnt from all others: share right
-and expected, verdicts, how often a wrong label has a smaller chance than a right one (AUROC),
-and marks inside the 95 % intervals. Last come the weights that all clips together give.
+and takes the signs (`offline/quality/signs.py`) of the labels that have a mark. A logistic
+regression, in which no sign may count against its meaning, gives the weights of
+`offline/quality/calibration.py`; each clip and number of clicked frames weighs the same. What
+left-out clicks say depends on the weights, which are learnt three times over. Every clip is then
+judged by weights learnt from all others: share right and expected, verdicts, how often a wrong
+label has a smaller chance than a right one (AUROC), and marks inside the 95 % intervals. Last come
+the weights that all clips together give.
 """
 
 from __future__ import annotations
@@ -28,9 +30,10 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 import pawnb
-from pawnb.core.paws.offline import tracker
+from pawnb.core.paws.offline import learnt_run, weighing
 from pawnb.core.paws.offline.output import SEEN
 from pawnb.core.paws.offline.quality.calibration import standard_deviation
+from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
 from pawnb.core.paws.offline.quality.measures import QualityLimits
 from pawnb.core.paws.offline.quality.signs import SIGNS
 
@@ -38,10 +41,13 @@ CELL_WEIGHT = 20.0
 """What the marks of a clip, tracked from so many clicked frames, weigh together; a weight of
 one standard deviation of a sign costs one half."""
 
+ROUNDS = 3
+"""Times that weights are learnt again with what left-out clicks say by the weights before."""
+
 STRICTER = 0.5
-"""The offset is so much below the fit: doubt in vain costs less than none. 0, 0.3, 0.5 and 0.8 give
-14, 14, 15 and 15 right verdicts of 20, with 1, 1, 0 and 0 too kind, and doubt of 51, 60, 68
-and 75 % of wrong labels, 6, 7, 9 and 12 % of right ones."""
+"""The offset is so much below the fit: doubt in vain costs less than none. 0.3, 0.5 and 0.7 give
+14, 15 and 14 right verdicts of 18, and doubt of 54, 58 and 63 % of wrong labels, 6, 7 and 9 % of
+right ones."""
 
 
 def parse() -> argparse.Namespace:
@@ -62,19 +68,25 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as made:
         cache = options.cache or Path(made)
         cache.mkdir(parents=True, exist_ok=True)
-        cells = [labels(real.Clip(home / c), n, cache) for c in names for n in options.clicks]
-    report(pd.concat([cell for cell in cells if cell is not None], ignore_index=True))
+        cells = [cell(real.Clip(home / c), n, cache) for c in names for n in options.clicks]
+    marks, left_out = zip(*[one for one in cells if one is not None], strict=True)
+    report(pd.concat(marks, ignore_index=True), pd.concat(left_out, ignore_index=True))
 
 
-def labels(clip: real.Clip, n: int, cache: Path) -> pd.DataFrame | None:
-    """Track a clip, or take what was measured of it earlier; None where marks are too few."""
+def cell(clip: real.Clip, n: int, cache: Path) -> tuple[pd.DataFrame, pd.DataFrame] | None:
+    """Track a clip, or take what was measured earlier: its marks and the clicks left out.
+
+    None where marks are too few.
+    """
     clicks, kept = clip.clicks(n), cache / f"{clip.name}-{n}.csv"
+    left_out = kept.with_name(f"{clip.name}-{n}-left-out.csv")
     if clicks is None:
         return None
-    if not kept.exists():
+    if not (kept.exists() and left_out.exists()):
         with (
             tempfile.TemporaryDirectory() as made,
-            mock.patch.object(tracker, "view_track", wraps=tracker.view_track) as seen,
+            mock.patch.object(learnt_run, "view_track", wraps=learnt_run.view_track) as seen,
+            mock.patch.object(weighing, "offsets", wraps=weighing.offsets) as heard,
         ):
             trial = pawnb.load_trial(write_trial(clip, clicks, Path(made)))
             tracks = pawnb.track(trial, settings={"evidence": "learnt"})
@@ -83,9 +95,15 @@ def labels(clip: real.Clip, n: int, cache: Path) -> pd.DataFrame | None:
         points = tracks["keypoint"].to_numpy().tolist()
         rows = pd.Series(range(tracks.sizes["time"]), index=tracks["frame"].to_numpy())
         signs = measure(found, views, clip.threshold_px, points=points, rows=rows)
+        clicked = [click for call in heard.call_args_list for click in call.args[0]]
+        pd.DataFrame(
+            [{"point": c.point, "right": c.right, **dict(zip(SIGNS, c.signs, strict=True))}
+             for c in clicked], columns=["point", "right", *SIGNS],
+        ).to_csv(left_out, index=False)  # fmt: skip
         signs.to_csv(kept, index=False)
         print(f"{clip.name}, {n}: tracked", file=sys.stderr)
-    return pd.read_csv(kept).assign(clip=clip.name, clicks=n)
+    named = {"clip": clip.name, "clicks": n}
+    return pd.read_csv(kept).assign(**named), pd.read_csv(left_out).assign(**named)
 
 
 def _clicked_views(tracks: xr.Dataset, clicks: pd.DataFrame) -> list[str]:
@@ -109,14 +127,41 @@ def measure(
         off = stack.picture_of(own.found.place[row], row) - [mark.u, mark.v]
         signs = dict(zip(SIGNS, own.signs.columns()[row], strict=True))
         found.append({
-            "ok": np.hypot(*off) <= px, "off_u": off[0], "off_v": off[1], **signs,
+            "point": points.index(mark.point), "ok": np.hypot(*off) <= px,
+            "off_u": off[0], "off_v": off[1], **signs, "probability": own.signs.probability[row],
             "sd_px": own.found.sd[row] * stack.spacing / stack.scale, "extent": stack.extent_px,
         })  # fmt: skip
     return pd.DataFrame(found)
 
 
-def learn(cells: pd.DataFrame) -> tuple[np.ndarray, float]:
+def learn(marks: pd.DataFrame, left_out: pd.DataFrame) -> tuple[np.ndarray, float]:
     """Return the weight of every sign, and the offset."""
+    weights, offset = fit(marks)
+    for _ in range(ROUNDS):
+        weights, offset = fit(heard(marks, left_out, weights, offset))
+    return weights, offset
+
+
+def heard(
+    marks: pd.DataFrame, left_out: pd.DataFrame, weights: np.ndarray, offset: float
+) -> pd.DataFrame:
+    """Return marks with what left-out clicks say by these weights."""
+    said = {}
+    for cell, own in left_out.groupby(["clip", "clicks"]):
+        clicks = [
+            LeftOutClick(
+                int(row["point"]), np.nan, bool(row["right"]), row[[*SIGNS]].to_numpy(float)
+            )
+            for _, row in own.iterrows()
+        ]
+        found = offsets(clicks, log_odds=lambda signs: signs @ weights + offset)
+        said |= {(*cell, point): value for point, value in found.items()}
+    keys = marks[["clip", "clicks", "point"]].itertuples(index=False, name=None)
+    return marks.assign(left_out=[said.get(key, 0.0) for key in keys])
+
+
+def fit(cells: pd.DataFrame) -> tuple[np.ndarray, float]:
+    """Return the weight of every sign, and the offset, by logistic regression."""
     x, ok = cells[list(SIGNS)].to_numpy(float), cells["ok"].to_numpy(bool)
     weight = CELL_WEIGHT / cells.groupby(["clip", "clicks"])["ok"].transform("size").to_numpy()
     middle = np.average(x, axis=0, weights=weight)
@@ -135,13 +180,15 @@ def learn(cells: pd.DataFrame) -> tuple[np.ndarray, float]:
     return weights, float(w[0] - weights @ middle) - STRICTER
 
 
-def report(labels: pd.DataFrame) -> None:
+def report(labels: pd.DataFrame, left_out: pd.DataFrame) -> None:
     """Print how every clip is judged by weights learnt from the others, and the weights."""
     chance = np.empty(len(labels))
     for clip in labels["clip"].unique():
-        own = (labels["clip"] == clip).to_numpy()
-        weights, offset = learn(labels[~own])
-        chance[own] = expit(labels.loc[own, list(SIGNS)].to_numpy(float) @ weights + offset)
+        own, known = ((table["clip"] == clip).to_numpy() for table in (labels, left_out))
+        weights, offset = learn(labels[~own], left_out[~known])
+        marks = heard(labels[own], left_out[known], weights, offset)
+        odds = marks[list(SIGNS)].to_numpy(float) @ weights + offset
+        chance[own] = np.minimum(expit(odds), marks["probability"])
     labels = labels.assign(chance=chance)
     rows = [judge(clip, n, own) for (clip, n), own in labels.groupby(["clip", "clicks"])]
     print(markdown(pd.DataFrame(rows)))
@@ -151,7 +198,7 @@ def report(labels: pd.DataFrame) -> None:
     ok = labels["ok"].to_numpy(bool)
     wrong, sound = percent(chance[~ok] < SEEN), percent(chance[ok] < SEEN)
     print(f"doubted: {wrong} % of wrong marks, {sound} % of right ones")
-    weights, offset = learn(labels)
+    weights, offset = learn(labels, left_out)
     print("weights:", dict(zip(SIGNS, weights.round(2).tolist(), strict=True)))
     print(f"offset: {offset:.2f}, from {len(labels)} marks of {len(rows)} runs")
 

@@ -5,6 +5,8 @@ import pandas as pd
 import pytest
 from scipy.special import expit
 
+NOTHING = pd.DataFrame({"clip": [], "clicks": [], "point": [], "right": []})
+
 
 def drawn(motion_weight, broken_weight, offset, n=4000):
     """Labels of two clips whose chance of being right follows from known weights."""
@@ -12,8 +14,9 @@ def drawn(motion_weight, broken_weight, offset, n=4000):
     motion, broken = rng.uniform(0, 3, n), rng.uniform(0, 5, n)
     chance = expit(motion_weight * motion + broken_weight * broken + offset)
     return pd.DataFrame({
-        "clip": ["a", "b"] * (n // 2), "clicks": 1, "ok": rng.random(n) < chance,
-        "probability": 0.0, "motion": motion, "look": 0.0, "broken": broken, "usual_look": 0.0,
+        "clip": ["a", "b"] * (n // 2), "clicks": 1, "point": 0, "ok": rng.random(n) < chance,
+        "probability": 1.0, "motion": motion, "look": 0.0, "look_along": 0.0,
+        "broken": broken, "usual_look": 0.0, "left_out": 0.0,
         "off_u": 0.0, "off_v": 0.0,
         "sd_px": 1.0, "extent": 100.0,
     })  # fmt: skip
@@ -23,16 +26,16 @@ def test_weights_that_made_labels_are_found(monkeypatch):
     import learn_calibration
 
     monkeypatch.setattr(learn_calibration, "CELL_WEIGHT", 2000.0)
-    weights, offset = learn_calibration.learn(drawn(0.8, -0.5, 0.3))
-    np.testing.assert_allclose(weights, [0.0, 0.8, 0.0, -0.5, 0.0], atol=0.12)
+    weights, offset = learn_calibration.learn(drawn(0.8, -0.5, 0.3), NOTHING)
+    np.testing.assert_allclose(weights, [0.8, 0.0, 0.0, -0.5, 0.0, 0.0], atol=0.12)
     assert offset == pytest.approx(0.3 - learn_calibration.STRICTER, abs=0.25)
 
 
 def test_a_sign_never_counts_against_its_meaning():
     import learn_calibration
 
-    weights, _ = learn_calibration.learn(drawn(-0.8, -0.5, 0.3))
-    assert weights[1] == pytest.approx(0, abs=1e-9)
+    weights, _ = learn_calibration.learn(drawn(-0.8, -0.5, 0.3), NOTHING)
+    assert weights[0] == pytest.approx(0, abs=1e-9)
     assert weights[3] < -0.3
 
 
@@ -42,9 +45,24 @@ def test_a_clip_is_judged_by_weights_of_the_others(capsys):
 
     labels = drawn(0.0, 0.0, 0.0)
     labels["ok"] = (labels["motion"] > 1.5) == (labels["clip"] == "a")
-    learn_calibration.report(labels)
+    learn_calibration.report(labels, NOTHING)
     shown = capsys.readouterr().out.splitlines()
     auroc = [row.split("|")[8].strip() for row in shown[2:4]]
     # "b" teaches that motion says nothing, "a" that it says all: of "b" it says the opposite
     assert float(auroc[0]) == pytest.approx(0.5, abs=0.1)
     assert float(auroc[1]) == pytest.approx(0.0, abs=0.01)
+
+
+def test_what_left_out_clicks_say_goes_to_marks_of_their_clip_and_point():
+    """Where odds are even by signs: found, not found, and nothing left out."""
+    import learn_calibration
+
+    marks = drawn(0.0, 0.0, 0.0, n=6).assign(point=[0, 0, 1, 1, 2, 2])
+    clicks = pd.DataFrame({
+        "clip": "a", "clicks": 1, "point": [0, 1], "right": [True, False],
+        **dict.fromkeys(learn_calibration.SIGNS, 0.0),
+    })  # fmt: skip
+    said = learn_calibration.heard(marks, clicks, np.zeros(6), 0.0)["left_out"]
+    assert said[0] > 0.1
+    assert said[2] < -0.1
+    assert (said[[1, 3, 4, 5]] == 0).all()

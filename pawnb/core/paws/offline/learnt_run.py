@@ -22,7 +22,12 @@ from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track, run_pipeline, view_track
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, RunBefore, fits
-from pawnb.core.paws.offline.reuse.retracking import Again, after_clicks, weighing_as_attributes
+from pawnb.core.paws.offline.reuse.retracking import (
+    Again,
+    after_clicks,
+    weighing_as_attributes,
+    weighing_of,
+)
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.treadmill.annotations import read_placements
 from pawnb.core.paws.offline.view_input import ViewInput
@@ -201,7 +206,7 @@ class _Run:
     found : sequence of ViewTrack
         For each view, what is tracked so far.
     weighing : Weighing
-        How far appearance was trusted in the first window.
+        How far kinds were trusted in the first window.
     learnt : dict
         View to what was learnt of it so far.
     said : list of str
@@ -238,10 +243,11 @@ class _Run:
     def as_attributes(self) -> dict[str, float | str]:
         """Return what tracks say of how they were made; of weighing what the first window said."""
         first = self.task.frames[0]
+        points, weighing = self.layout.points, self.weighing
         return {
             "body_frame": "; ".join(self.said),
-            **({} if self.weighing is None else weighing_as_attributes(self.weighing)),
-            LEARNT_IN: learnt_as_text(self.learnt, self.layout.points, first),
+            **({} if weighing is None else weighing_as_attributes(weighing, points)),
+            LEARNT_IN: learnt_as_text(self.learnt, points, first),
         }
 
     def _track_window(
@@ -278,7 +284,11 @@ class _Run:
                 one = dataclasses.replace(one, known=known, earlier=earlier)
             inputs.append(one)
         rows = None if again is None else again.rows_in(first, span)
-        weighing = weigh(inputs, n_points, self.parameters) if again is None else again.weighing
+        weighing = (
+            weigh(inputs, n_points, self.parameters)
+            if again is None
+            else weighing_of(again.tracks, self.layout.points)
+        )
         self.weighing = self.weighing or weighing
         results = run_pipeline(
             inputs, n_points=n_points, parameters=self.parameters, rig=self.layout.rig,

@@ -162,7 +162,7 @@ def run_pipeline(
     rows : tuple of int, optional
         First row and one past the last that are tracked; all views teach with all of theirs.
     weighing : Weighing, optional
-        How far appearance is trusted; default what leaving out clicked frames says.
+        How far kinds are trusted; default what leaving out clicked frames says.
 
     Returns
     -------
@@ -177,7 +177,8 @@ def run_pipeline(
     if again:
         learning = dataclasses.replace(learning, rounds=1, epochs=learning.epochs_again)
     parameters = dataclasses.replace(parameters, appearance=learning)
-    works = [_Work(view, begin, end, parameters) for view in views]
+    powers = weighing.powers
+    works = [_Work(view, begin, end, parameters, weighing) for view in views]
     for work in works if again else []:
         work.take_earlier()
     for round_ in range(learning.rounds):
@@ -185,7 +186,7 @@ def run_pipeline(
             work.look(n_points)
         last = round_ + 1 == learning.rounds
         posteriors = associate(
-            [work.evidence(weighing.trust) for work in works], radius=radius,
+            [work.evidence(powers.appearance) for work in works], radius=radius,
             parameters=parameters.association, rig=rig, identity=parameters.identity,
             compared=last,
         )  # fmt: skip
@@ -207,8 +208,14 @@ class _Work:
     """
 
     def __init__(
-        self, whole: ViewInput, begin: int, end: int, parameters: OfflineParameters
+        self,
+        whole: ViewInput,
+        begin: int,
+        end: int,
+        parameters: OfflineParameters,
+        weighing: Weighing,
     ) -> None:
+        self.left_out = weighing.offsets
         self.whole, self.begin, self.end, self.parameters = whole, begin, end, parameters
         self.radius = parameters.appearance.radius / parameters.scene.spacing
         self.clicked = clicked_lessons(whole.stack, whole.annotations)
@@ -217,7 +224,9 @@ class _Work:
         )
         self.view = view = whole.part(begin, end)
         self.followed = detect_by_motion(view.stack, view.annotations, parameters.motion)
-        self.motion = _motion(view, self.followed, whole.annotations.points)
+        self.motion = _motion(
+            view, self.followed, whole.annotations.points, power=weighing.powers.motion
+        )
         self.lessons, self.others = dict(self.clicked), self.motion
         self.learnt = Learnt()
         self.looks: dict[int, np.ndarray] = {}
@@ -278,6 +287,7 @@ class _Work:
                 found, motion=self.others[p], look=self.looks[p],
                 agreement=self.posteriors[p].agreement,
                 clicked=self.view.annotations.rows_of(p), usual_look=usual,
+                left_out=self.left_out.get(p, 0.0),
             )  # fmt: skip
             points[p] = PointTrack(found, signs, self.posteriors[p].named)
         return ViewResult(points, self.learnt)
@@ -297,11 +307,13 @@ class _Work:
         }
 
 
-def _motion(view: ViewInput, followed: Detections, points: Sequence[int]) -> dict[int, np.ndarray]:
+def _motion(
+    view: ViewInput, followed: Detections, points: Sequence[int], *, power: float
+) -> dict[int, np.ndarray]:
     """Return ratios of likelihoods by motion and by further detections, for each point."""
     ratios = {}
     for point in points:
-        ratios[point] = paint(followed, view.stack, point)
+        ratios[point] = paint(followed, view.stack, point) ** power
         for more in view.detections:
             ratios[point] *= paint(more, view.stack, point)
     return ratios

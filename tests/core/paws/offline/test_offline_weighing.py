@@ -10,8 +10,10 @@ import pytest
 from pawnb.core.paws.offline import weighing
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
+from pawnb.core.paws.offline.quality.left_out import LeftOutClick
+from pawnb.core.paws.offline.quality.signs import SIGNS
 from pawnb.core.paws.offline.view_input import ViewInput
-from pawnb.core.paws.offline.weighing import weigh
+from pawnb.core.paws.offline.weighing import Powers, Weighing, usual_powers, weigh
 
 N = 15
 PARAMETERS = OfflineParameters(
@@ -38,26 +40,65 @@ def view(make_texture, make_stack):
     return clicked
 
 
-@pytest.mark.parametrize("rows", [[4], [2, 11]])
-def test_where_too_few_frames_stay_the_usual_trust_is_kept(view, rows):
-    found = weigh([view(rows)], 1, PARAMETERS)
-    assert found.trust == PARAMETERS.appearance.trust
-    assert not len(found.found)
+USUAL = usual_powers(PARAMETERS)
+MOTION, APPEARANCE = Powers(0.0), Powers(USUAL.appearance, motion=0.0)
+
+
+def test_one_clicked_frame_shows_nothing(view):
+    assert weigh([view([4])], 1, PARAMETERS) == Weighing(USUAL)
+
+
+def test_of_two_clicked_frames_labels_are_learnt_but_no_powers(view):
+    found = weigh([view([2, 11])], 1, PARAMETERS)
+    assert found.powers == USUAL
+    assert found.offsets.keys() == {0}
 
 
 def test_appearance_is_trusted_where_it_finds_what_was_left_out(view):
     found = weigh([view([1, 5, 8, 12])], 1, PARAMETERS)
-    assert found.trust > 0
-    assert np.median(found.found) > 0.8
-    assert len(found.found) == 4  # folds
+    assert found.powers.appearance > 0
+    assert found.offsets[0] > 0  # all four are found
 
 
-def test_another_trust_must_be_clearly_better(view, monkeypatch):
-    """Products of the chances: 0.05 + 0.5 against 0.05 + 0.55 is no reason, 0.9 against 0 is."""
-    usual = PARAMETERS.appearance.trusts.index(PARAMETERS.appearance.trust)
-    table = np.full((2, len(PARAMETERS.appearance.trusts)), 0.5)
-    table[:, 0] = 0.55
-    monkeypatch.setattr(weighing, "_left_out", lambda *a: table)
-    assert weigh([view([4])], 1, PARAMETERS).trust == PARAMETERS.appearance.trust
-    table[:, 0], table[:, usual] = 0.9, 0.0
-    assert weigh([view([4])], 1, PARAMETERS).trust == PARAMETERS.appearance.trusts[0]
+@pytest.fixture
+def chosen(monkeypatch):
+    """What is chosen where a left-out click is found as given, in three frames between others."""
+
+    def choose(by_powers):
+        tried = []
+
+        class Frame:
+            between = True
+
+            def __init__(self, *_):
+                pass
+
+            def outcome(self, powers):
+                tried.append(powers)
+                found = by_powers.get(powers, 0.5)
+                return [LeftOutClick(0, found, found > 0.5, np.zeros(len(SIGNS)))]
+
+        monkeypatch.setattr(weighing, "_LeftOut", Frame)
+        monkeypatch.setattr(weighing, "_left_out_rows", lambda *_: [4, 9, 12])
+        return weigh([None], 1, PARAMETERS), set(tried)
+
+    return choose
+
+
+def test_other_powers_must_be_clearly_better(chosen):
+    """Each counts log(0.95 / 0.05) = 2.9 where it is found with 0.9 and not with 0: three do, two
+    would not.
+    """
+    assert chosen({MOTION: 0.55})[0].powers == USUAL
+    assert chosen({MOTION: 0.9, USUAL: 0.0})[0].powers == MOTION
+
+
+@pytest.mark.parametrize("alone", [MOTION, APPEARANCE])
+def test_a_single_kind_that_finds_more_is_trusted_alone(chosen, alone):
+    found, _ = chosen({alone: 1.0, USUAL: 0.0})
+    assert found.powers == alone
+    assert found.offsets[0] > chosen({})[0].offsets[0]  # what it finds tells of labels
+
+
+def test_nothing_is_tried_where_nothing_can_be_clearly_better(chosen):
+    assert chosen({USUAL: 0.9})[1] == {USUAL}

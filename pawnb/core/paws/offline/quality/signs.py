@@ -15,15 +15,18 @@ import numpy as np
 
 from pawnb.core.paws.offline.association.estimates import Estimates
 
-SIGNS = {"probability": 1, "motion": 1, "look": 1, "broken": -1, "usual_look": 1}
+SIGNS = {
+    "motion": 1, "look": 1, "look_along": 1, "broken": -1, "usual_look": 1,
+    "left_out": 1,
+}  # fmt: skip
 """The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
 
-_SUREST = 2.5e-3
-"""No probability counts as nearer to 0 or 1."""
 _LEAST = 1e-2
 """Agreement below this breaks a way no more."""
 _MOST = 200.0
 """No way is broken more than this."""
+_BREAK = 0.5
+"""Agreement below this ends a stretch over which looks are averaged."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +36,15 @@ class Signs:
     Parameters
     ----------
     probability : ndarray, shape (n,)
-        Probability within about half a paw, by the hidden Markov model.
+        Probability within about half a paw, by the hidden Markov model: no label is surer.
     motion : ndarray, shape (n,)
         Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow from no
         click comes so far.
     look : ndarray, shape (n,)
         The same by appearance.
+    look_along : ndarray, shape (n,)
+        Its mean over the stretch of the track that the frame belongs to, up to the next frames
+        that are clicked or in which what came before and what comes after disagree.
     broken : ndarray, shape (n,)
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
@@ -46,20 +52,24 @@ class Signs:
     usual_look : float
         Mean of ``look`` over all points and frames of the view (:func:`usual_look`): where no
         place looks like any point, labels are wrong more often than each by itself tells.
+    left_out : float
+        How much more often clicks of the point that were left out were found than their own signs
+        say (:func:`.left_out.offsets`); 0 where none could be left out.
     """
 
     probability: np.ndarray
     motion: np.ndarray
     look: np.ndarray
+    look_along: np.ndarray
     broken: np.ndarray
     usual_look: float
+    left_out: float = 0.0
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 5) as they enter the calibration."""
-        p = np.clip(self.probability, _SUREST, 1 - _SUREST)
+        """Return the signs (n, 6) as they enter the calibration."""
         broken = np.log1p(np.minimum(self.broken, _MOST))
-        usual = np.full(len(broken), self.usual_look)
-        return np.stack([np.log(p / (1 - p)), self.motion, self.look, broken, usual], axis=-1)
+        usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
+        return np.stack([self.motion, self.look, self.look_along, broken, usual, left_out], axis=-1)
 
 
 def read_signs(
@@ -70,6 +80,7 @@ def read_signs(
     agreement: np.ndarray,
     clicked: Sequence[int],
     usual_look: float,
+    left_out: float = 0.0,
 ) -> Signs:
     """Read the signs of one point in one view.
 
@@ -85,18 +96,24 @@ def read_signs(
         Rows in which the point was clicked.
     usual_look : float
         See :func:`usual_look`.
+    left_out : float
+        See :func:`.left_out.offsets`.
 
     Returns
     -------
     Signs
         Of the n frames.
     """
+    looks = _at_estimates(look, found)
+    stops = [*clicked, *np.flatnonzero(agreement < _BREAK).tolist()]
     return Signs(
         found.probability,
         _at_estimates(motion, found),
-        _at_estimates(look, found),
+        looks,
+        mean_along(looks, stops),
         sum_from_clicks(-np.log(np.clip(agreement, _LEAST, 1.0)), clicked),
         usual_look,
+        left_out,
     )
 
 
@@ -142,3 +159,26 @@ def sum_from_clicks(values: np.ndarray, clicked: Sequence[int]) -> np.ndarray:
         way = np.where(rows >= row, total - total[row], total[row] - total + own)
         least = np.minimum(least, np.maximum(way, 0.0))
     return least
+
+
+def mean_along(values: np.ndarray, stops: Sequence[int]) -> np.ndarray:
+    """Return the mean of values over the rows about each, up to the next stop on either side.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Any.
+    stops : sequence of int
+        Rows at which stretches end; they belong to those on both sides.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Of a stop that of the stretches on both sides together.
+    """
+    n = len(values)
+    rows, ends = np.arange(n), np.unique([0, n - 1, *stops])
+    first = ends[np.maximum(np.searchsorted(ends, rows) - 1, 0)]
+    last = ends[np.minimum(np.searchsorted(ends, rows, side="right"), len(ends) - 1)]
+    total = np.concatenate([[0.0], np.cumsum(values)])
+    return np.asarray((total[last + 1] - total[first]) / (last + 1 - first))

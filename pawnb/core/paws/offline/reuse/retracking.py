@@ -1,8 +1,8 @@
 """Tracking again after a correction or a further click: only between the clicks on either side.
 
 Clicks close the model: what lies beyond the neighbouring clicks of a point bears on nothing
-between them. What appearance is learnt from includes what was put in place, and how far it is
-trusted stays as it was in the run before.
+between them. What appearance is learnt from includes what was put in place, and how far kinds
+are trusted stays as it was in the run before.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.learnt import Earlier, Learnt, learnt_of
 from pawnb.core.paws.offline.parameters import APPEARANCE
 from pawnb.core.paws.offline.scene.stack import BodyStack
-from pawnb.core.paws.offline.weighing import Weighing
+from pawnb.core.paws.offline.weighing import Powers, Weighing
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks
 
-TRUST, LEFT_OUT = "appearance_trust", "left_out_found"
-"""Attributes of tracks: how far appearance was trusted beside the other kinds of evidence, and how
-likely each click was found when its frame was left out (:class:`.weighing.Weighing`)."""
+TRUST, MOTION, LEFT_OUT = "appearance_trust", "motion_trust", "left_out_offsets"
+"""Attributes of tracks: how far appearance and motion were trusted beside the other kinds of
+evidence, and what clicks that were left out say of each point (:class:`.weighing.Weighing`)."""
 _SURE = 0.9
 """Other points are certain at both ends of what is tracked again from this confidence on."""
 
@@ -39,8 +39,6 @@ class Again:
         The tracks before, with corrections.
     frames : tuple of int
         First frame and one past the last.
-    weighing : Weighing
-        How far appearance is trusted.
     placed : sequence of int
         Frames in which points were put in place that were not before.
     closed : sequence of int
@@ -49,7 +47,6 @@ class Again:
 
     tracks: Tracks
     frames: tuple[int, int]
-    weighing: Weighing
     placed: Sequence[int]
     closed: Sequence[int] = ()
 
@@ -169,20 +166,31 @@ class Again:
         return all(abs(frame - one) > new for one in self.closed)
 
 
-def weighing_as_attributes(weighing: Weighing) -> dict[str, float | str]:
+def weighing_as_attributes(weighing: Weighing, points: Sequence[str]) -> dict[str, float | str]:
     """Return what is to be known of a weighing when tracks are corrected, as their attributes.
 
-    Attributes of files of tracks are numbers and text: lists are written as JSON.
+    Attributes of files of tracks are numbers and text: offsets are written as JSON.
     """
-    found = [round(float(value), 4) for value in weighing.found]
-    return {TRUST: float(weighing.trust), **({LEFT_OUT: json.dumps(found)} if found else {})}
+    powers = {TRUST: float(weighing.powers.appearance), MOTION: float(weighing.powers.motion)}
+    offsets = {points[p]: round(own, 4) for p, own in weighing.offsets.items()}
+    return {**powers, LEFT_OUT: json.dumps(offsets)}
 
 
-def weighing_of(tracks: Tracks) -> Weighing:
-    """Return how far appearance was trusted in the run that made these tracks."""
-    usual = APPEARANCE.trust
-    found = np.array(json.loads(tracks.attrs.get(LEFT_OUT, "[]")), float)
-    return Weighing(float(tracks.attrs.get(TRUST, usual)), found)
+def weighing_of(tracks: Tracks, points: Sequence[str]) -> Weighing:
+    """Return how far kinds were trusted in the run that made these tracks.
+
+    Parameters
+    ----------
+    tracks : Tracks
+        The tracks.
+    points : sequence of str
+        Points, in the order of their numbers.
+    """
+    powers = Powers(
+        float(tracks.attrs.get(TRUST, APPEARANCE.trust)), float(tracks.attrs.get(MOTION, 1.0))
+    )
+    offsets = json.loads(tracks.attrs.get(LEFT_OUT, "{}"))
+    return Weighing(powers, {p: offsets[name] for p, name in enumerate(points) if name in offsets})
 
 
 def after_correction(tracks: Tracks, frame: int, points: Sequence[str]) -> Again:
@@ -210,7 +218,7 @@ def after_correction(tracks: Tracks, frame: int, points: Sequence[str]) -> Again
         later = frames[by_hand.sel(keypoint=point).to_numpy() & (frames > frame)]
         last = max(last, int(later[0]) if len(later) else int(frames[-1]))
         closed += [int(later[0])] if len(later) else []
-    return Again(tracks, (frame, last + 1), weighing_of(tracks), [frame], closed)
+    return Again(tracks, (frame, last + 1), [frame], closed)
 
 
 def after_clicks(tracks: Tracks, before: pd.DataFrame, clicks: pd.DataFrame) -> Again | None:
@@ -244,4 +252,4 @@ def after_clicks(tracks: Tracks, before: pd.DataFrame, clicks: pd.DataFrame) -> 
         end = max(end, min(later, default=int(frames[-1])), frame)
         closed |= {*sorted(earlier)[-1:], *sorted(later)[:1]}
     placed = sorted({c[0] for c in added})
-    return Again(tracks, (begin, end + 1), weighing_of(tracks), placed, sorted(closed))
+    return Again(tracks, (begin, end + 1), placed, sorted(closed))

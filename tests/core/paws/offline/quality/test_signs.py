@@ -9,6 +9,7 @@ from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.quality.signs import (
     SIGNS,
     Signs,
+    mean_along,
     read_signs,
     sum_from_clicks,
     usual_look,
@@ -29,9 +30,15 @@ def test_of_two_ways_the_one_that_is_broken_less_counts():
     np.testing.assert_allclose(sum_from_clicks(values, [0, 5])[2:4], 4.0)
 
 
+def test_means_reach_up_to_the_stops_on_either_side_and_hold_them():
+    values = np.array([1.0, 2.0, 6.0, 3.0, 9.0])
+    np.testing.assert_allclose(mean_along(values, [2]), [3, 3, 21 / 5, 6, 6])
+    np.testing.assert_allclose(mean_along(values, []), 21 / 5)
+
+
 def test_without_a_click_there_is_no_way():
     assert np.isinf(sum_from_clicks(np.zeros(3), [])).all()
-    assert np.isfinite(Signs(*np.zeros((3, 3)), np.full(3, np.inf), 0.0).columns()).all()
+    assert np.isfinite(Signs(*np.zeros((4, 3)), np.full(3, np.inf), 0.0).columns()).all()
 
 
 def test_signs_are_read_at_the_estimate():
@@ -47,14 +54,16 @@ def test_signs_are_read_at_the_estimate():
         agreement=np.array([0.5, np.exp(-1), np.exp(-1)]),
         clicked=[0],
         usual_look=-0.7,
+        left_out=-0.3,
     )
     np.testing.assert_allclose(signs.motion, [0, 2, 0])
     np.testing.assert_allclose(signs.broken, [0, 1, 2])
     np.testing.assert_allclose(signs.look, [0, -1, 0])
+    np.testing.assert_allclose(signs.look_along, [-1 / 2, -1 / 3, -1 / 2])  # 1 and 2 are breaks
     columns = dict(zip(SIGNS, signs.columns().T, strict=True))
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
     np.testing.assert_allclose(columns["usual_look"], -0.7)
-    np.testing.assert_allclose(columns["probability"], 0.0)  # even odds
+    np.testing.assert_allclose(columns["left_out"], -0.3)
 
 
 def test_agreement_of_nothing_is_a_break_and_not_the_end():

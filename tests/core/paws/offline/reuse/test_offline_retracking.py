@@ -15,27 +15,26 @@ from pawnb.core.paws.offline.reuse.retracking import (
     weighing_as_attributes,
     weighing_of,
 )
-from pawnb.core.paws.offline.weighing import Weighing
+from pawnb.core.paws.offline.weighing import Powers, Weighing, usual_powers
 from pawnb.io import native
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 POINTS = ("FL", "HL")
 
 
-@pytest.mark.parametrize("found", [[0.91, 0.0, 0.25], [0.5], []])
-def test_how_far_appearance_was_trusted_is_kept_in_the_file_of_tracks(tmp_path, found):
-    tracks = make_tracks(range(3), ["FL"], fps=50.0, views=["side"])
-    tracks.attrs.update(weighing_as_attributes(Weighing(1.0, np.array(found))))
+def test_what_leaving_out_clicks_has_shown_is_kept_in_the_file_of_tracks(tmp_path):
+    tracks = make_tracks(range(3), POINTS, fps=50.0, views=["side"])
+    weighing = Weighing(Powers(1.0, 0.0), {1: -0.25})
+    tracks.attrs.update(weighing_as_attributes(weighing, POINTS))
     native.write_tracks(tracks, tmp_path / "tracks.nc")
-    kept = weighing_of(native.read_tracks(tmp_path / "tracks.nc"))
-    assert kept.trust == 1.0
-    np.testing.assert_allclose(kept.found, found)
+    read = native.read_tracks(tmp_path / "tracks.nc")
+    assert weighing_of(read, POINTS) == weighing
+    assert weighing_of(read, POINTS[::-1]).offsets == {0: -0.25}  # it is the same point's
 
 
 def test_tracks_that_say_nothing_are_taken_as_usual():
-    kept = weighing_of(make_tracks(range(3), ["FL"], fps=50.0))
-    assert kept.trust == OfflineParameters().appearance.trust
-    assert len(kept.found) == 0
+    usual = Weighing(usual_powers(OfflineParameters()))
+    assert weighing_of(make_tracks(range(3), ["FL"], fps=50.0), ["FL"]) == usual
 
 
 def clicks(*placed, u=5.0):
@@ -112,7 +111,7 @@ def test_frames_are_learnt_from_while_tracks_agree_and_no_correction_is_nearer(m
     )
     lessons = {row: lesson((50, 40), (20, 40)) for row in (2, 4, 12, 18, 26, 34)}
     tracks.attrs[LEARNT_IN] = learnt_as_text({"side": Learnt(lessons, {0: 0.8})}, POINTS, 0)
-    again = Again(tracks, (10, 31), weighing_of(tracks), placed=[20], closed=[10, 30])
+    again = Again(tracks, (10, 31), placed=[20], closed=[10, 30])
     earlier = again.earlier("side", POINTS, frames=(0, 40), stack=stack, radius=10.0)
     # 4 lies 20 px off by now; 18 is nearer to the correction in 20 than to the click in 10
     assert sorted(earlier.learnt.lessons) == [2, 12, 26, 34]
@@ -140,7 +139,7 @@ def test_only_ends_at_which_something_is_placed_are_certain():
     tracks["image_position"][here] = 30.0
     tracks["image_confidence"][here] = 0.95
     tracks["image_origin"][here] = ORIGIN_CODE["measured"]
-    open_end = Again(tracks, (8, 20), weighing_of(tracks), placed=[8])
+    open_end = Again(tracks, (8, 20), placed=[8])
     assert sorted(open_end.known("side", POINTS, 0).places) == [8]
-    closed = Again(tracks, (8, 20), weighing_of(tracks), placed=[8], closed=[19])
+    closed = Again(tracks, (8, 20), placed=[8], closed=[19])
     assert sorted(closed.known("side", POINTS, 0).places) == [8, 19]
