@@ -91,6 +91,7 @@ class Marks {
     const marks = [...points, ...hollow.filter((mark) => !named.has(mark.id)), ...tips];
     this.drawNames(g, k, marks, [...points, ...tips]);
     this.drawAim(g, k);
+    this.host.closer.draw(this, g, k);
     if (drag && drag.kind === "rectangle") {
       const box = [drag.x, drag.y, drag.x1 - drag.x, drag.y1 - drag.y];
       g.setLineDash([6 * k, 4 * k]);
