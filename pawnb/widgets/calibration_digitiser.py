@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import cv2
+import numpy as np
 import pandas as pd
 
 from pawnb.core.calibration.balls import snap_to_ball
@@ -31,7 +32,7 @@ _KEYS = (
     ("S", "snap clicks to the centre of the ball or round mark that they are on, or no more"),
     ("X", "set a click, or the picture of a board, aside; again takes it back"),
     ("F", "the board of this frame lies on the floor: it gives the axes"),
-    ("C", "measure the scale of one view by two clicks a known distance apart"),
+    ("C", "measure the scale of one view by two clicks a known distance apart, or by a grid"),
     ("W", "write DLTcoefs.csv and lenses.toml"),
     ("Right click, Delete", "take a click away"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
@@ -165,7 +166,7 @@ class CalibrationDigitiser(FrameCanvas):
         if self.session is not None:
             self.session.go(frame)
         if what == "action":
-            self._act(str(message["action"]), message.get("value"))
+            self._act(str(message["action"]), message.get("value"), frame)
         elif self.measuring is not None:
             self._measure(what, message)
         elif self.session is not None:
@@ -212,15 +213,18 @@ class CalibrationDigitiser(FrameCanvas):
         """Return the centre of the mark under a click, where clicks snap; else the click."""
         if not self._snaps:
             return u, v
-        with self._video_lock:
-            image = self._views.frame(frame)[view].image()
-        grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
-        found = snap_to_ball(grey, u, v)
+        found = snap_to_ball(self._grey(view, frame), u, v)
         if found is None:
             self.alarm = "No ball or round mark is there: the point lies where it was clicked."
         return (u, v) if found is None else found
 
-    def _act(self, action: str, value: Any) -> None:
+    def _grey(self, view: str, frame: int) -> np.ndarray:
+        """Return a picture in grey, (H, W) uint8."""
+        with self._video_lock:
+            image = self._views.frame(frame)[view].image()
+        return np.asarray(cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image)
+
+    def _act(self, action: str, value: Any, frame: int) -> None:
         """Do what a button, its key or a slider asks for."""
         session = self.session
         if action == "snap":
@@ -229,6 +233,8 @@ class CalibrationDigitiser(FrameCanvas):
             self.measuring = ScaleClicks() if self.measuring is None else None
         elif action == "known_length" and self.measuring is not None:
             self.measuring.set_length(float(value))
+        elif action == "grid" and self.measuring is not None:
+            self.measuring.take_grid(self._grey(self._measured_view, frame))
         elif action == "use_scale":
             self._use_scale()
         elif session is None:
@@ -362,6 +368,8 @@ class CalibrationDigitiser(FrameCanvas):
         self.actions = [
             {"id": "use_scale", "text": "Use this scale", "keys": ["Enter"],
              "enabled": found is not None, "title": "Write px_per_unit into trial.toml (Enter)"},
+            {"id": "grid", "text": "Find a grid",
+             "title": "Its lines are the known length apart; choose a frame without the animal"},
             *([leave] if self.session is not None else []),
         ]  # fmt: skip
 

@@ -1,8 +1,8 @@
-"""The part of TrackReviewer that compares two tracks."""
+"""The part of a review that compares two tracks."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -32,7 +32,8 @@ class Comparing(Retracking):
         against: Tracks | Literal["before"] | None,
         name: str | None,
         *,
-        rig: Rig | None,
+        rig: Rig | None = None,
+        listed: Sequence[str] | None = None,
     ) -> None:
         """Take the tracks to compare with."""
         if against is None:
@@ -42,7 +43,7 @@ class Comparing(Retracking):
                 raise InputError(f'against is {against!r}; expected tracks, or "before".')
             against, name = tracks, name or "before the corrections"
         called = "the other tracks" + (f" ({name})" if name else "")
-        self._comparison = Comparison(tracks, against, name=called, rig=rig)
+        self._comparison = Comparison(tracks, against, name=called, rig=rig, listed=listed)
 
     def _show_comparison(self) -> None:
         """Say what the thin line of the lanes is, and how much of it fills one."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,8 @@ class Comparison:
         What the others are called.
     rig : Rig, optional
         The calibrated views.
+    listed : sequence of str, optional
+        Points that :meth:`largest` lists and :meth:`marks` shows; default all.
 
     Attributes
     ----------
@@ -46,7 +48,15 @@ class Comparison:
         If they share nothing that can be compared.
     """
 
-    def __init__(self, tracks: Tracks, other: Tracks, *, name: str, rig: Rig | None = None) -> None:
+    def __init__(
+        self,
+        tracks: Tracks,
+        other: Tracks,
+        *,
+        name: str,
+        rig: Rig | None = None,
+        listed: Sequence[str] | None = None,
+    ) -> None:
         check_tracks(other)
         if other.sizes["individual"] != 1:
             raise InputError(
@@ -57,6 +67,7 @@ class Comparison:
         self.frames = tracks["frame"].to_numpy()
         self.views = [str(view) for view in tracks["view"].to_numpy()]
         self.points = [str(point) for point in tracks["keypoint"].to_numpy()]
+        self.listed = frozenset(self.points if listed is None else listed)
         self.uv = self._aligned(other, rig)
         if not np.isfinite(self.uv).any():
             raise InputError(
@@ -92,6 +103,8 @@ class Comparison:
         every = self.distances(tracks)
         rows: list[tuple[Any, ...]] = []
         for p, point in enumerate(self.points):
+            if point not in self.listed:
+                continue
             far = np.nan_to_num(self.farthest(tracks)[:, p], nan=0.0)
             for _ in range(_MOST):
                 if far.max(initial=0.0) < LEAST_PX:
@@ -133,7 +146,7 @@ class Comparison:
                 "v": round(float(v), 2),
             }
             for point, (u, v) in zip(self.points, places.T, strict=True)
-            if np.isfinite([u, v]).all()
+            if point in self.listed and np.isfinite([u, v]).all()
         ]
 
     def _aligned(self, other: Tracks, rig: Rig | None) -> np.ndarray:

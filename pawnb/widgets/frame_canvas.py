@@ -4,6 +4,7 @@ All views of a trial are shown at the same frame. Pictures travel as JPEG in bin
 messages, as small as the screen can show; points, trails and lines are drawn in the
 browser. Of ``static``, ``connection.js`` knows whether Python hears the browser, ``stage.js`` is
 one view, ``marks.js`` what is drawn over it, ``linked.js`` how other views see a point in the hand,
+``closer.js`` the loupe and the zoom that follows a point,
 ``stick.js`` a stick animal, ``frames.js`` the traffic of frames, ``controls.js`` buttons and
 sliders, ``keys.js`` the keys, ``timeline.js``, ``lanes.js`` and ``stretch_bar.js`` the timeline
 where there is one (see ``timeline.py``), ``sheet.js`` the sheet of questions, ``frame_canvas.js``
@@ -47,6 +48,12 @@ MOUSE_AND_KEYS = (
     ("Wheel", "zoom in and out about the mouse"),
     ("Shift and drag", "zoom into a rectangle (Z, then drag, does the same)"),
     ("Drag the picture", "move a zoomed picture"),
+    ("V", "every view follows the chosen point, and zooms with the others; 0 ends it"),
+    ("U", "a loupe at the mouse"),
+    (
+        "E",
+        "place the point that a click would place, where the other views put it or in the middle",
+    ),
     ("0", "show every view whole again"),
     ("Left, Right", "one frame back or on; ten with Shift"),
     ("Home, End", "first and last frame"),
@@ -119,7 +126,7 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
     """
 
     _esm = read_static(
-        "connection.js", "stick.js", "linked.js", "marks.js", "stage.js", "frames.js",
+        "connection.js", "stick.js", "linked.js", "closer.js", "marks.js", "stage.js", "frames.js",
         "controls.js", "keys.js", "stretch_bar.js", "lanes.js", "timeline.js", "sheet.js",
         "frame_canvas.js",
     )  # fmt: skip

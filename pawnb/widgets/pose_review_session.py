@@ -13,6 +13,7 @@ from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import pose_values
 from pawnb.core.pose.pose_suspects import find_pose_suspects
 from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.corrected_tracks import CorrectedTracks
 from pawnb.widgets.stick_pose import StickPose, stick_pose
@@ -81,7 +82,19 @@ class PoseReviewSession(StickSession):
         track = poses_of(tracks.isel(time=slice(row, row + 1)))
         if not np.isfinite(track.poses.xy).all():
             return None
-        return stick_pose(self.species, self.species, track.poses)
+        pose = stick_pose(self.species, self.species, track.poses)
+        for name, is_there in zip(
+            self.species.leg_names, self._legs_seen(tracks, row), strict=True
+        ):
+            if not is_there:
+                pose = pose.with_missing(name, missing=True)
+        return pose
+
+    def _legs_seen(self, tracks: Tracks, row: int) -> np.ndarray:
+        """Tell which legs were not hidden or deleted in a row."""
+        origin = tracks["image_origin"].isel(time=row, view=0, individual=0)
+        codes = origin.sel(keypoint=list(self.species.leg_names)).to_numpy()
+        return np.asarray(codes != ORIGIN_CODE["missing"])
 
     def partners(self) -> dict[str, list[str]]:
         """Return the legs that each leg may be mistaken for, the likeliest first.
@@ -165,6 +178,8 @@ class PoseReviewSession(StickSession):
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
         """Make the pose the correction of the frame looked at."""
         where = self.frame if frame is None else frame
+        for name in self.species.leg_names:  # who poses the animal has posed every leg
+            pose = pose.with_missing(name, missing=False)
         values = pose_values(self.species, pose.poses(where))
         self.corrected.apply(Pose(frame=where, pose=values))
         self.go(where)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import pandas as pd
 
@@ -14,9 +14,10 @@ from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS
+from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay
 from pawnb.widgets.pose_review_session import PoseReviewSession
-from pawnb.widgets.retracking import Retracking, RetrackTrial
+from pawnb.widgets.retracking import RetrackTrial
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
 from pawnb.widgets.stick_poser import StickPoser
@@ -36,7 +37,7 @@ _KEYS = (
 )
 
 
-class PoseReviewer(StickPoser, Retracking):
+class PoseReviewer(StickPoser, Comparing):
     """Review the tracked poses of a jointed animal: step, correct, track again, undo.
 
     The stick animal shows the pose of every frame. What a person drags corrects the frame looked
@@ -56,8 +57,12 @@ class PoseReviewer(StickPoser, Retracking):
     retrack : callable, optional
         ``retrack(trial, tracks, frame) -> Tracks``; default
         :func:`pawnb.workflow.tracking.track.retrack`.
+    against : xarray.Dataset or "before", optional
+        Other tracks of the trial to compare with; ``"before"``: ``tracks`` as they were before any
+        correction. Their tips are dashed rings, and the thin line of each lane is the distance.
     **options
-        ``out`` (folder for *Save*; default the folder of ``edits``), ``frame`` (to begin with),
+        ``against_name`` (what the others are called), ``out`` (folder for *Save*; default the
+        folder of ``edits``), ``frame`` (to begin with),
         ``views`` (when they are open already), and the options of :class:`FrameCanvas`.
 
     Attributes
@@ -83,6 +88,7 @@ class PoseReviewer(StickPoser, Retracking):
         *,
         edits: str | Path | None = None,
         retrack: RetrackTrial | None = None,
+        against: Tracks | Literal["before"] | None = None,
         out: str | Path | None = None,
         frame: int | None = None,
         views: ViewSet | None = None,
@@ -99,11 +105,14 @@ class PoseReviewer(StickPoser, Retracking):
         reader = shown.readers[pose_view(trial)]
         self._size = (reader.width, reader.height)
         self._open_tracks(tracks, frame=frame)
+        named = options.pop("against_name", None)
+        self._compare(tracks, against, named, listed=[*self.session.colours])
         self._offer_doubtful(self.session.suspects())
         super().__init__(trial, session=self.session, views=shown, **options)
         self._own_views = shown if views is None else None
         self.label = "Review poses"
-        own = (*_KEYS, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
+        compared = DIFFERENCE_KEYS if against is not None else ()
+        own = (*_KEYS, *compared, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
         self.keys_help = [list(line) for line in own]
         self._prepare_lanes(
             trial,
@@ -112,7 +121,14 @@ class PoseReviewer(StickPoser, Retracking):
             partners=self.session.partners(),
             does=("swap", "interpolate", "hide", "delete", "retrack"),
         )
+        self._show_comparison()
         self._show_state(self._opening_notes(folder))
+
+    def overlay(self, frame: int) -> Overlay:
+        """Return what is drawn over a frame."""
+        drawn = super().overlay(frame)
+        self._draw_others(frame, drawn["views"], self.session.colours)
+        return drawn
 
     def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Do what a person did; see :meth:`FrameCanvas.edit`."""
@@ -128,6 +144,8 @@ class PoseReviewer(StickPoser, Retracking):
             self._show_state("Tracks saved.")
         elif action in ("suspect", "next"):
             return self._look_at_doubtful(value)
+        elif action in ("difference", "apart"):
+            return self._look_at_difference(value)
         elif what == "stretch":
             return self._edit_stretch(message)
         else:
@@ -212,7 +230,7 @@ class PoseReviewer(StickPoser, Retracking):
             {"id": "accept", "text": "This pose is right", "keys": ["Enter"],
              "title": "Keep this pose as certain when other frames are tracked again (Enter)"},
         ]  # fmt: skip
-        own += self._review_actions(busy=busy)
+        own += [*self._review_actions(busy=busy), *self._difference_actions()]
         # these are about the start pose
         unfit = ("propose", "missing", "accept", "scale", "here", "here_too", "drop")
         return [*own, *(a for a in stick_actions(self.session) if a["id"] not in unfit)]

@@ -1,10 +1,12 @@
-"""Two clicks a known length apart: the scale of a view."""
+"""Two clicks a known length apart, or a grid of known spacing: the scale of a view."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from pawnb.core.pose.pixel_scale import PxPerUnit, scale_from_clicks
+import numpy as np
+
+from pawnb.core.pose.pixel_scale import PxPerUnit, scale_from_clicks, scale_from_grid
 from pawnb.errors import InputError
 
 ENDS = ("end 1", "end 2")
@@ -20,17 +22,20 @@ class ScaleClicks:
         u, v of the ends clicked so far, px.
     length : float
         How far apart they are, in the unit of the trial.
+    found : PxPerUnit or None
+        The scale of a grid that was found instead.
     """
 
     def __init__(self, length: float = 10.0) -> None:
         self.ends: dict[str, tuple[float, float]] = {}
         self.length = length
+        self.found: PxPerUnit | None = None
 
     def click(self, u: float, v: float) -> None:
         """Place the next end; both placed, the nearer one moves there."""
         free = [name for name in ENDS if name not in self.ends]
         near = min(ENDS, key=lambda name: self._far(name, u, v)) if not free else free[0]
-        self.ends[near] = (u, v)
+        self.ends[near], self.found = (u, v), None
 
     def move(self, name: str, u: float, v: float) -> None:
         """Put one end elsewhere; raises InputError for an unknown one.
@@ -44,16 +49,33 @@ class ScaleClicks:
         """
         if name not in self.ends:
             raise InputError(f"{name} was not clicked; click both ends of a known length.")
-        self.ends[name] = (u, v)
+        self.ends[name], self.found = (u, v), None
+
+    def take_grid(self, grey: np.ndarray) -> None:
+        """Measure a grid whose lines are the known length apart.
+
+        Parameters
+        ----------
+        grey : ndarray, shape (H, W), uint8
+            The picture that shows it.
+
+        Raises
+        ------
+        InputError
+            If no grid is found that can be measured.
+        """
+        self.found, self.ends = scale_from_grid(grey, spacing=self.length), {}
 
     def set_length(self, length: float) -> None:
         """Say how far apart the ends are; raises InputError unless it is above 0."""
         if not length > 0:
             raise InputError(f"the known length is {length:g}; expected more than 0.")
-        self.length = length
+        self.length, self.found = length, None
 
     def result(self) -> PxPerUnit | None:
-        """Return the scale, or None before both ends are clicked."""
+        """Return the scale, or None before a grid is found or both ends are clicked."""
+        if self.found is not None:
+            return self.found
         if len(self.ends) < len(ENDS):
             return None
         first, second = (self.ends[name] for name in ENDS)
@@ -61,6 +83,8 @@ class ScaleClicks:
 
     def prompt(self, unit: str) -> str:
         """Say what to do next."""
+        if self.found is not None:
+            return "A grid was found; press Enter to use its scale, or click two ends instead."
         if len(self.ends) < len(ENDS):
             end = "one end" if not self.ends else "the other end"
             return f"Click {end} of a length that you know."

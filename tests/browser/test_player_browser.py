@@ -133,3 +133,63 @@ def test_what_is_chosen_can_be_seen_and_set_from_python(reviewing):
     notebook.press("?")
     assert notebook.page.locator(".pawnb-help").get_attribute("open") is None
     notebook.assert_no_errors()
+
+
+SHOWN = """c.stages.map((s) => [(s.image.width / 2 - s.zoom.tx) / s.zoom.scale - 0.5,
+    (s.image.height / 2 - s.zoom.ty) / s.zoom.scale - 0.5, s.zoom.scale / s.fitScale])"""
+
+
+def test_views_follow_the_chosen_point_a_loupe_and_a_point_placed_without_a_mouse(reviewing):
+    notebook, file = reviewing
+    notebook.js("f.go(20)")
+    notebook.wait("c.painted === 20")
+    notebook.page.locator("[data-view=cam1] [data-point=FR]").click()
+    notebook.focus()
+    notebook.press("V")  # as with Caps Lock: a capital without Shift
+    notebook.settle()
+    for frame in (20, 21):
+        shown = np.array(notebook.js(SHOWN))
+        np.testing.assert_allclose(shown[:, :2], scene.seen(frame)[:, 0], atol=1.0)
+        np.testing.assert_allclose(shown[:, 2], 4.0)
+        notebook.press("ArrowRight")
+        notebook.wait(f"c.painted === {frame + 1}")
+    # zooming in one view zooms all
+    box = notebook.page.locator("[data-view=cam2] .pawnb-marks").bounding_box()
+    notebook.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    notebook.page.mouse.wheel(0, -300)
+    notebook.wait("c.stages.every((s) => s.zoom.scale / s.fitScale > 5)")
+    assert np.ptp(np.array(notebook.js(SHOWN))[:, 2]) < 1e-6
+
+    # of a disc of 70 px above the mouse, or below it, a pixel beside its cross
+    x, y = box["x"] + box["width"] / 2 + 1, box["y"] + box["height"] / 2
+    covered = f"""((s) => {{ const at = s.locate({{ clientX: {x}, clientY: {y} }});
+        const v = at.y > 154 ? at.y - 84 : Math.min(at.y + 84, s.marks.height - 70);
+        const g = s.marks.getContext('2d');
+        return g.getImageData(Math.round(at.x) + 40, Math.round(v), 1, 1).data[3];
+        }})(c.stages[1])"""
+    assert notebook.js(covered) == 0
+    notebook.press("u")
+    notebook.page.mouse.move(x, y)
+    notebook.settle()
+    assert notebook.js(covered) == 255
+    notebook.press("u")
+    notebook.press("0")
+    notebook.wait("c.stages.every((s) => s.fitted)")
+
+    # hidden, then placed again by E where the other two views put it, and moved by keys
+    notebook.press("Delete")
+    notebook.settle()
+    notebook.press("e")
+    notebook.settle()
+    notebook.press("Alt+ArrowRight")
+    notebook.until("len(w.session.corrections)", 3)
+    hide, place, nudge = [json.loads(line) for line in file.read_text().splitlines()]
+    assert (hide["edit"], place["edit"], place["view"], place["frame"]) == (
+        "hide",
+        "move",
+        "cam1",
+        22,
+    )
+    np.testing.assert_allclose([place["u"], place["v"]], scene.seen(22)[0, 0], atol=0.05)
+    assert nudge["u"] == pytest.approx(place["u"] + 1, abs=1e-3)
+    notebook.assert_no_errors()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ball_scene as scene
+import cv2
 import numpy as np
 import pandas as pd
 import pytest
@@ -175,6 +176,17 @@ def test_a_scale_is_measured_and_written_into_its_trial(opened):
     assert "2.5" in widget.status
     act(widget, "use_scale")
     assert load_trial(folder).calibration.px_per_unit == 2.5
+    with pytest.raises(InputError, match="grid"):
+        act(widget, "grid")  # there is none in that picture
+    # lines 24 px, 10 units, apart
+    picture = np.full(scene.SIZE[::-1], 200, np.uint8)
+    picture[8::24], picture[:, 5::24] = 60, 60
+    for path in (folder / "in" / "left").iterdir():
+        cv2.imwrite(str(path), picture)
+    act(widget, "known_length", 10.0)
+    act(widget, "grid")
+    act(widget, "use_scale")
+    assert load_trial(folder).calibration.px_per_unit == pytest.approx(2.4, rel=1e-3)
 
 
 def test_what_cannot_be_used_is_one_sentence(opened, tmp_path):

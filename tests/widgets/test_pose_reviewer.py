@@ -206,8 +206,27 @@ def test_legs_are_exchanged_interpolated_and_hidden_over_a_stretch(reviewer, tra
     stretch(reviewer, "hide", "R1", 12, 13)
     assert np.isnan(tip(reviewer, 12, "R1")).all()
     assert np.isfinite(tip(reviewer, 14, "R1")).all()
+    drawn = {f: reviewer.overlay(f)["views"]["top"]["stick"]["legs"] for f in (12, 14)}
+    assert [leg["name"] for leg in drawn[12] if leg["missing"]] == ["R1"]
+    assert not any(leg["missing"] for leg in drawn[14])
     reviewer.edit("action", {"frame": 12, "action": "retrack"})
     reviewer._worker.join()
     assert np.isnan(tip(reviewer, 13, "R1")).all()  # stays so when tracked again
     with pytest.raises(InputError, match="has no leg 'L9'"):
         stretch(reviewer, "delete", "L9", 12, 13)
+
+
+def test_poses_are_compared_with_those_before_the_corrections(rendered_spider, tracks, tmp_path):
+    widget = PoseReviewer(
+        rendered_spider, tracks, edits=tmp_path / "edits.jsonl", against="before", frame=17
+    )
+    was, _ = drag(widget, 17)
+    others = {one["id"]: one for one in widget.overlay(17)["views"]["top"]["others"]}
+    assert set(others) == set(widget.session.colours)  # tips, not joints
+    np.testing.assert_allclose([others["L2"]["u"], others["L2"]["v"]], was, atol=0.01)
+    assert widget.edit("action", {"frame": 10, "action": "apart"}) == 17
+    far = float(np.hypot(*(tip(widget, 17) - was)))
+    assert (
+        f"L2 in top, {far:.1f} px from the other tracks (before the corrections)" in widget.status
+    )
+    widget.close()

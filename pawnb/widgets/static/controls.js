@@ -49,6 +49,12 @@ class Controls {
     const press = () => this.setRectangle(!this.rectangle);
     this.zoomButton = this.button(this.bar, "Zoom rectangle", zoom, press);
     this.zoomButton.setAttribute("aria-pressed", "false");
+    const { closer } = this;
+    const follows = "Every view shows the part about the chosen point; zooming in one zooms all (V)";
+    this.followButton = this.button(this.bar, "Follow", follows, () => closer.follow(!closer.following));
+    const enlarges = "A loupe at the mouse (U)";
+    this.loupeButton = this.button(this.bar, "Loupe", enlarges, () => closer.magnify(!closer.loupe));
+    for (const made of [this.followButton, this.loupeButton]) made.setAttribute("aria-pressed", "false");
     this.button(this.bar, "Whole picture", "Show every view whole again (0)", () => this.fitAll());
   }
 

@@ -23,6 +23,7 @@ class Canvas extends Keys {
     this.rectangle = false; // whether the next drag zooms
     this.stages = model.get("stages").map((spec) => new Stage(spec, this));
     this.linked = new Linked(model.get("cameras"));
+    this.closer = new Closer(this);
     this.frames = new Frames(model, this);
     this.connection = new Connection(model, this.frames.who, () => this.reconnected());
     this.timeline = (model.get("lanes") || []).length ? new Timeline(this) : null;
@@ -185,6 +186,7 @@ class Canvas extends Keys {
       stage.setOverlay(overlay.views[stage.name] || {});
       if (!this.dragging) this.showHead(stage);
     });
+    if (isNew) this.closer.apply();
     this.redraw();
   }
 
@@ -309,6 +311,7 @@ class Canvas extends Keys {
     this.selected = [stage.name, point];
     this.markSelected();
     this.moved();
+    this.closer.apply();
     this.redraw();
     if (this.model.get("tell_selected")) this.edit({ what: "select", view: stage.name, point });
     this.tellSelected();
@@ -328,6 +331,7 @@ class Canvas extends Keys {
   }
 
   fitAll() {
+    this.closer.follow(false);
     for (const stage of this.stages) stage.fit();
   }
 
@@ -344,6 +348,22 @@ class Canvas extends Keys {
     const [view, id] = this.selected || [];
     const missing = chips.some((chip) => chip.id === id && chip.state === "missing");
     return view === stage.name && missing ? id : null;
+  }
+
+  // Place, without a mouse, the point that a click would place: where the other views put it, else in
+  // the middle of what is shown. Alt and an arrow move it then.
+  placeAsked() {
+    const view = this.selected && this.selected[0];
+    const asking = this.stages.filter((stage) => this.asked(stage) !== null);
+    const stage = asking.find(({ name }) => name === view) || asking[0];
+    if (!stage) return;
+    const { scale, tx, ty } = stage.zoom;
+    const middle = [
+      (stage.image.width / 2 - tx) / scale - 0.5, (stage.image.height / 2 - ty) / scale - 0.5,
+    ];
+    const [u, v] = this.closer.placeIn(stage, this.asked(stage)) || middle;
+    const inside = stage.inside({ u, v }) ? [u, v] : middle;
+    this.edit({ what: "click", view: stage.name, u: inside[0], v: inside[1] });
   }
 
   // Send what a person did; no other frame shows until the kernel says it is on disk. `takeBack`

@@ -25,6 +25,9 @@ class Keys extends Controls {
       "Shift+?": () => this.showHelp(),
       0: () => this.fitAll(),
       z: () => this.setRectangle(!this.rectangle),
+      v: () => this.closer.follow(!this.closer.following),
+      u: () => this.closer.magnify(!this.closer.loupe),
+      e: () => this.placeAsked(),
       g: () => this.number.select(),
       Escape: () =>
         this.stages.some((s) => s.cancel()) || (timeline && timeline.clear()) || this.setRectangle(false),
@@ -100,7 +103,10 @@ class Keys extends Controls {
     }
     if (e.key !== "Alt" && e.key !== "Shift") this.keepNudge();
     const command = e.ctrlKey || e.metaKey ? "Ctrl+" : "";
-    const typed = command + (e.shiftKey ? "Shift+" : "") + e.key;
+    // a letter is what is on its key, whether Caps Lock is on or not
+    const letter = /^\p{L}$/u.test(e.key);
+    const key = letter ? (e.shiftKey ? e.key.toUpperCase() : e.key.toLowerCase()) : e.key;
+    const typed = command + (e.shiftKey ? "Shift+" : "") + key;
     const own = this.ownKeys();
     const asked = this.model.get("actions").find((a) => (a.keys || []).includes(typed));
     if (!asked && !own[typed]) return;

@@ -78,11 +78,12 @@ class Marks {
     // what follows the hand stands for where the views put its point before
     for (const mark of hollow) if (!live || !live.at || mark.id !== live.id) this.drawHollow(g, k, mark);
     if (live && live.at) this.drawHollow(g, k, { u: live.at[0], v: live.at[1], colour: live.colour });
-    for (const other of others) this.drawOther(g, k, other, points.find(({ id }) => id === other.id));
-    for (const point of points) this.drawPoint(g, k, point, point.id === selected);
     const named = new Set(points.map((point) => point.id));
     const drag = this.drag;
     const tips = this.stick ? this.stick.handles().filter(({ kind }) => kind === "tip") : [];
+    for (const other of others)
+      this.drawOther(g, k, other, [...points, ...tips].find(({ id }) => id === other.id));
+    for (const point of points) this.drawPoint(g, k, point, point.id === selected);
     if (this.stick) {
       const held = drag && drag.kind === "point" ? drag.point : null;
       this.stick.draw(g, k, this, held, this.over);
@@ -90,6 +91,7 @@ class Marks {
     const marks = [...points, ...hollow.filter((mark) => !named.has(mark.id)), ...tips];
     this.drawNames(g, k, marks, [...points, ...tips]);
     this.drawAim(g, k);
+    this.host.closer.draw(this, g, k);
     if (drag && drag.kind === "rectangle") {
       const box = [drag.x, drag.y, drag.x1 - drag.x, drag.y1 - drag.y];
       g.setLineDash([6 * k, 4 * k]);

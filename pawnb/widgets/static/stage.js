@@ -22,6 +22,7 @@ class Stage extends Marks {
     this.drag = null;
     this.live = null; // what other views say of the point in the hand, or this one of another's
     this.over = null; // the point under the mouse
+    this.mouse = null;
     this.aim = null; // where the mouse is, while a click there would place a point
     this.zoom = { scale: 1, tx: 0, ty: 0 };
     this.fitted = true;
@@ -111,6 +112,7 @@ class Stage extends Marks {
 
   // How many image pixels may be merged into one before it can be seen: 1, 2 or 4.
   get shrink() {
+    if (this.host.closer && this.host.closer.loupe) return 1;
     const merged = 1 / this.zoom.scale;
     return merged >= 4 ? 4 : merged >= 2 ? 2 : 1;
   }
@@ -177,13 +179,14 @@ class Stage extends Marks {
       const { x, y } = this.locate(e);
       const lines = e.deltaMode === 1 ? 30 : 1; // Firefox counts lines, not pixels
       this.zoomAbout(x, y, Math.exp(-e.deltaY * lines * 0.0015));
+      this.host.closer.zoomed(this);
     }, { passive: false });
     on("contextmenu", (e) => { e.preventDefault(); e.stopPropagation(); });
     on("pointerdown", (e) => this.press(e));
     on("pointermove", (e) => this.move(e));
     on("pointerup", (e) => this.release(e));
     on("pointercancel", () => this.cancel());
-    on("pointerleave", () => { this.over = this.aim = null; this.host.redraw(); });
+    on("pointerleave", () => { this.over = this.aim = this.mouse = null; this.host.redraw(); });
   }
 
   press(e) {
@@ -211,8 +214,9 @@ class Stage extends Marks {
   }
 
   move(e) {
-    const at = this.locate(e);
+    const at = (this.mouse = this.locate(e));
     const drag = this.drag;
+    if (this.host.closer.loupe) this.host.redraw();
     if (!drag) {
       const over = this.nearest(at);
       const asked = this.host.asked(this);
@@ -251,6 +255,7 @@ class Stage extends Marks {
     const at = this.locate(e);
     if (drag.kind === "rectangle") {
       this.zoomToRectangle(drag.x, drag.y, at.x, at.y);
+      this.host.closer.zoomed(this);
       this.host.setRectangle(false);
     } else if (drag.kind === "point" && drag.moved) {
       const { id, u, v } = drag.point;
