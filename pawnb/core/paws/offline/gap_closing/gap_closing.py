@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.conflicts import ClosedGap, resolve_conflicts
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
 from pawnb.core.paws.offline.gap_closing.limb_clutter import learn_limb_clutter
@@ -168,10 +169,15 @@ def close_gaps(
         # of an unlabelled target nobody has said that it was there
         if first > 0 or state.assignment.by_hand[:, p].any()
     ]
-    observed = on_threads(lambda one: closer.close(*one, tracked_in_view[one[0]]), gaps)
-    for (p, gap), (taken, stood, standing) in zip(gaps, observed, strict=True):
-        choice[gap.frames, p] = taken
-        held[gap.frames[stood], p] = standing
+    closed = on_threads(lambda one: closer.close(*one, tracked_in_view[one[0]]), gaps)
+    closed = resolve_conflicts(
+        closed,
+        lambda one, more: closer.close(one.point, one.gap, tracked_in_view[one.point], more),
+        cost.shape[-1],
+    )
+    for one in closed:
+        choice[one.gap.frames, one.point] = one.taken
+        held[one.gap.frames[one.stood], one.point] = one.standing
     after = substrate.stances(np.where(np.isnan(held), sure, held))
     lift_offs = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
     choice, cost = wrist_decoys.left_out(choice, cost)
@@ -208,19 +214,9 @@ class _GapCloser:
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
 
     def close(
-        self, point: int, gap: Gap, tracked_in_view: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tell a stretch.
-
-        Returns
-        -------
-        choice : ndarray of int, shape (frames, V)
-            The detections taken.
-        stood : ndarray of bool, shape (frames,)
-            Where the point stands, and
-        standing : ndarray, shape (stood frames, d)
-            on which places.
-        """
+        self, point: int, gap: Gap, tracked_in_view: np.ndarray, against: np.ndarray | float = 0.0
+    ) -> ClosedGap:
+        """Tell a stretch, given what speaks ``against`` detections (frames, V, C) besides."""
         motion_model = self.substrate.motion_model
         state, covariance = state_after(
             self.state.chosen[gap.before, point], gap.way * motion_model.substrate_velocity,
@@ -228,8 +224,10 @@ class _GapCloser:
         )  # fmt: skip
         due = self._due(point, gap)
         edge, standing = self._standing(point, gap, is_told=due is not None)
-        choice, stood = run_mht(
-            state, covariance, edge, self._shown(point, gap, tracked_in_view, standing, due),
+        evidence = self._shown(point, gap, tracked_in_view, standing, due)
+        choice, stood, cost = run_mht(
+            state, covariance, edge,
+            evidence._replace(negative_log_odds=evidence.negative_log_odds + against),
             self._expected(point, gap),
             usual_region(
                 self.sure, self.state.body, point, frames=np.concatenate([gap.frames, gap.after]),
@@ -237,7 +235,7 @@ class _GapCloser:
             ),
             self._how(point, gap, tracked_in_view),
         )  # fmt: skip
-        return choice, stood, standing[stood]
+        return ClosedGap(point, gap, choice, stood, standing[stood], cost)
 
     def _due(self, point: int, gap: Gap) -> np.ndarray | None:
         """Return what speaks against lifting off before each frame of a stretch and after it.
