@@ -8,6 +8,7 @@ import numpy as np
 
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.conflicts import ClosedGap, resolve_conflicts
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
 from pawnb.core.paws.offline.gap_closing.limb_clutter import learn_limb_clutter
@@ -95,7 +96,7 @@ def close_gaps(
             _appearance_cost(observations.detection_probability) - GAP_CLOSING.gap_closing_dim, 0.0
         ),
     )
-    choice, held = closer.close_all(tracked_in_view, is_open)
+    choice, held = closer.close_all(tracked_in_view, is_open, n_detections=cost.shape[-1])
     after = substrate.stances(np.where(np.isnan(held), sure, held))
     stops = [(p, one.stop) for p, mine in enumerate(after) for one in mine]
     lift_offs = [(p, stop - 1) for p, stop in stops if stop < len(is_open)]
@@ -133,9 +134,9 @@ class _GapCloser:
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
 
     def close_all(
-        self, tracked_in_view: np.ndarray, is_open: np.ndarray
+        self, tracked_in_view: np.ndarray, is_open: np.ndarray, *, n_detections: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Tell all stretches.
+        """Close all stretches, each by itself, then those again in which two points took one paw.
 
         Returns
         -------
@@ -154,26 +155,20 @@ class _GapCloser:
             # of an unlabelled target nobody has said that it was there
             if first > 0 or by_hand[:, p].any()
         ]
-        observed = on_threads(lambda one: self.close(*one, tracked_in_view[one[0]]), gaps)
-        for (p, gap), (taken, stood, standing) in zip(gaps, observed, strict=True):
-            choice[gap.frames, p] = taken
-            held[gap.frames[stood], p] = standing
+        closed = resolve_conflicts(
+            on_threads(lambda one: self.close(*one, tracked_in_view[one[0]]), gaps),
+            lambda one, more: self.close(one.point, one.gap, tracked_in_view[one.point], more),
+            n_detections,
+        )
+        for one in closed:
+            choice[one.gap.frames, one.point] = one.taken
+            held[one.gap.frames[one.stood], one.point] = one.standing
         return choice, held
 
     def close(
-        self, point: int, gap: Gap, tracked_in_view: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tell a stretch.
-
-        Returns
-        -------
-        choice : ndarray of int, shape (frames, V)
-            The detections taken.
-        stood : ndarray of bool, shape (frames,)
-            Where the point stands, and
-        standing : ndarray, shape (stood frames, d)
-            on which places.
-        """
+        self, point: int, gap: Gap, tracked_in_view: np.ndarray, against: np.ndarray | float = 0.0
+    ) -> ClosedGap:
+        """Tell a stretch, given what speaks ``against`` detections (frames, V, C) besides."""
         motion_model = self.substrate.motion_model
         state, covariance = state_after(
             self.state.chosen[gap.before, point], gap.way * motion_model.substrate_velocity,
@@ -181,8 +176,10 @@ class _GapCloser:
         )  # fmt: skip
         due = self._due(point, gap)
         edge, standing = self._standing(point, gap, is_told=due is not None)
-        choice, stood = run_mht(
-            state, covariance, edge, self._shown(point, gap, tracked_in_view, standing, due),
+        evidence = self._shown(point, gap, tracked_in_view, standing, due)
+        choice, stood, cost = run_mht(
+            state, covariance, edge,
+            evidence._replace(negative_log_odds=evidence.negative_log_odds + against),
             self._expected(point, gap),
             usual_region(
                 self.sure, self.state.body, point, frames=np.concatenate([gap.frames, gap.after]),
@@ -190,7 +187,7 @@ class _GapCloser:
             ),
             self._how(point, gap, tracked_in_view),
         )  # fmt: skip
-        return choice, stood, standing[stood]
+        return ClosedGap(point, gap, choice, stood, standing[stood], cost)
 
     def _due(self, point: int, gap: Gap) -> np.ndarray | None:
         """Return what speaks against lifting off before each frame of a stretch and after it.

@@ -118,7 +118,7 @@ def run_mht(
     expected: ExpectedPositions,
     region: UsualRegion,
     target: TargetModel,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Find what a point did in a gap.
 
     Parameters
@@ -143,6 +143,8 @@ def run_mht(
         The detections that the likeliest hypothesis took, -1 where none.
     stood : ndarray of bool, shape (f,)
         Whether the point stands in it.
+    cost : float
+        Minus the logarithm of how likely that is.
     """
     parameters, (frames, views) = target.parameters, evidence.number.shape
     every = frames + len(evidence.certain)
@@ -188,7 +190,8 @@ def run_mht(
             history.origin[t, b], history.standing[t, b] = now.origin[b], now.standing[b]
             for v in range(views):
                 history.taken[t, v, b] = now.taken[v, b]
-    return _read(history, frames)
+    taken, stood = _read(history, frames)
+    return taken, stood, now.cost[0]
 
 
 @compiled

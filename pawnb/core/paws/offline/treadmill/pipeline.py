@@ -40,7 +40,8 @@ def run_pipeline(recording: Recording) -> SmoothedTracks:
     state = replace(state, unaided=state.smoothed.x)
     while not is_settled(state):
         learnt = learn(state)
-        if not learnt.stride.is_known:
+        # without a stride, too, where the others are is known once they were tracked
+        if not learnt.stride.is_known and state.passes > 1:
             break
         state = track_once(learnt)
     return diagnose(state).smoothed.points(slice(len(recording.layout.kinds)))

@@ -171,7 +171,7 @@ def close(at, cost, *, state, covariance, place=None, expected=(), lifting=None,
     there = np.isfinite(at[..., 0])
     negative_log_odds = np.repeat(np.broadcast_to(cost, there.shape)[None, :, None], 2, axis=0)
     nowhere = np.full((0, len(at), 2), np.nan)
-    taken, stood = mht_kernels.run_mht(
+    taken, stood, _ = mht_kernels.run_mht(
         np.asarray(state, float),
         covariance,
         np.full(2, np.nan) if place is None else place,

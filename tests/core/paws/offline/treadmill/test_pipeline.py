@@ -187,7 +187,7 @@ def test_points_stay_about_the_body_where_colour_tells_them(monkeypatch, is_lear
 
 @pytest.mark.parametrize(
     ("cycle", "swings", "rounds"),
-    [("cycle", "swings", 3), ("cycle", None, 3), (None, "swings", 3), (None, None, 1)],
+    [("cycle", "swings", 3), ("cycle", None, 3), (None, "swings", 3), (None, None, 2)],
 )
 def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle, swings, rounds):
     """A recording of two strides tells a rhythm and swings, but no cycle."""
