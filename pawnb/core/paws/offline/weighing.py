@@ -17,18 +17,8 @@ from pawnb.core.paws.offline.detection.appearance import (
 )
 from pawnb.core.paws.offline.detection.evidence import paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
-from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.parameters import RUN, OfflineParameters
 from pawnb.core.paws.offline.view_input import ViewInput
-
-_CHANCE = 0.05
-"""A click that was wholly missed counts as if so much of the probability had been there."""
-
-_CLEAR = 2.0
-"""The usual power is left only where another one is so much likelier (e to the power of this)."""
-_FEWEST_ROWS = 3
-"""Of two clicked frames each is found from one, from one side: that is another task, and what does
-it best does not do best between two (98 and 89 % on the wheel, with the usual power and with the
-one that would be chosen)."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +60,10 @@ def weigh(views: Sequence[ViewInput], n_points: int, parameters: OfflineParamete
     table = np.concatenate([np.empty((0, len(parameters.appearance.trusts))), *scores])
     if not len(table):
         return Weighing(parameters.appearance.trust, np.empty(0))
-    score = np.log(table + _CHANCE).sum(axis=0)
+    score = np.log(table + RUN.weighing_chance).sum(axis=0)
     usual = parameters.appearance.trusts.index(parameters.appearance.trust)
     best = int(np.argmax(score))
-    if score[best] < score[usual] + _CLEAR:
+    if score[best] < score[usual] + RUN.weighing_clear:
         best = usual
     return Weighing(parameters.appearance.trusts[best], table[:, best])
 
@@ -81,7 +71,7 @@ def weigh(views: Sequence[ViewInput], n_points: int, parameters: OfflineParamete
 def _left_out(view: ViewInput, n_points: int, parameters: OfflineParameters) -> np.ndarray:
     """Return the probability at each click that was left out, for every power."""
     rows = view.annotations.rows
-    if len(rows) < _FEWEST_ROWS:
+    if len(rows) < RUN.weighing_fewest:
         return np.empty((0, len(parameters.appearance.trusts)))
     chosen = np.unique(np.linspace(0, len(rows) - 1, parameters.appearance.folds).round())
     tables = [_one_left_out(view, rows[int(i)], n_points, parameters) for i in chosen]
