@@ -150,7 +150,7 @@ def read_parameters(
 def constants_of(package: str) -> dict[str, dict[str, Any]]:
     """Return the named numbers of every module of a package that are not parameters of a stage.
 
-    They are compiled into loops, or belong to how things are laid out.
+    They belong to how things are laid out, to a published formula, or to arithmetic.
 
     Parameters
     ----------

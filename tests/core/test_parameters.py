@@ -104,4 +104,46 @@ def test_a_named_number_beside_the_parameters_says_what_it_is():
         if not (isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant))
     ]
     assert bare == []
-    assert sum(map(len, found.values())) > 30
+    assert sum(map(len, found.values())) > 15
+
+
+def parameter_objects():
+    """Yield the names by which modules read parameters, and their stages."""
+    for path in Path(pawnb.core.__path__[0]).rglob("*parameters.py"):
+        yield from re.findall(r'^(\w+) = in_force\("(\w+)"', path.read_text("utf-8"), re.M)
+
+
+def reads(node, objects, *, called=False):
+    """Yield whether a call reads a parameter or the import does, its object, and its name."""
+    if isinstance(node, ast.Attribute) and getattr(node.value, "id", None) in objects:
+        yield called, node.value.id, node.attr
+    for name, value in ast.iter_fields(node):
+        # default arguments and decorators are read with the import
+        inner = called or (name == "body" and isinstance(node, ast.FunctionDef | ast.Lambda))
+        for child in value if isinstance(value, list) else [value]:
+            if isinstance(child, ast.AST):
+                yield from reads(child, objects, called=inner)
+
+
+def test_parameters_are_read_when_they_are_needed_and_none_is_idle():
+    """As a default argument one would be what it is by default, whatever is set."""
+    objects = dict(parameter_objects())
+    assert set(objects.values()) == {stage for _, stage in EVERY}
+    found = {
+        (path.name, *read)
+        for path in Path(pawnb.core.__path__[0]).rglob("*.py")
+        for read in reads(ast.parse(path.read_text("utf-8")), objects)
+    }
+    assert {read for read in found if not read[1]} == set()
+    by_name = {(objects[name], attribute) for _, _, name, attribute in found}
+    every = {
+        (stage, field.name)
+        for _, stage in EVERY
+        # the others are handed on whole, as :func:`parameters_in_force` has them
+        if stage in objects.values() and stage not in HANDED_ON
+        for field in dataclasses.fields(type(defaults_of(stage)))
+    }
+    assert {one for one in every - by_name if not one[1].startswith("mht_")} == set()
+
+
+HANDED_ON = ("scene", "motion", "correlation", "appearance", "association", "identity")

@@ -9,10 +9,8 @@ import numpy as np
 
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.scene.stack import BodyStack
-
-_PSEUDO = 4.0
-"""Rows in which nothing agreed, before any is looked at."""
 
 
 def agreeing_share(
@@ -47,7 +45,7 @@ def agreeing_share(
             np.linalg.norm(stack.grid_of(found.uv[i], found.row[i]) - estimate.place[found.row[i]])
             for i in best
         ]
-        shares[point] = float(np.sum(np.array(off) < radius)) / (len(best) + _PSEUDO)
+        shares[point] = float(np.sum(np.array(off) < radius)) / (len(best) + RUN.agreement_pseudo)
     return shares
 
 

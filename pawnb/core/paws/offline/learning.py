@@ -9,11 +9,8 @@ import numpy as np
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.detection.appearance import Lesson
-from pawnb.core.paws.offline.parameters import AppearanceParameters
+from pawnb.core.paws.offline.parameters import RUN, AppearanceParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
-
-_AGREE = 0.7
-"""Both put the point within so many radii."""
 
 
 def agreed_lessons(
@@ -60,7 +57,9 @@ def agreed_lessons(
     for i, point in enumerate(points):
         alone = estimate(looks[point] * priors[point], radius)
         apart = np.linalg.norm(alone.place - estimates[point].place, axis=1)
-        good[:, i] = (estimates[point].probability > parameters.sure) & (apart < _AGREE * radius)
+        good[:, i] = (estimates[point].probability > parameters.sure) & (
+            apart < RUN.agree_radii * radius
+        )
         given = named[point]
         if given is not None:
             good[:, i] &= given

@@ -12,6 +12,7 @@ from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.learnt_run import goes_on, track_learnt
+from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.quality.measures import QualityLimits
@@ -26,17 +27,6 @@ from pawnb.schema import Tracks
 
 COLOUR, STRIDES, LEARNT = "colour", "strides", "learnt"
 """What tracks may be found by; kept in their attribute ``evidence``."""
-_POOR, _LONG = 0.82, 64
-"""Tracks by colour are compared with tracks by strides where they are not good; in fewer frames,
-which hold too little of a stride to tell one way from the other, where fewer labels than this share
-are expected to be right."""
-_SURER = 0.05
-"""They give way where so many more labels are expected to be right. Of rendered films in H.264 (100
-frames, seeds 31 to 33, crf 23 and 28; all looked at) strides had that in five, and 0, 0, 0, 3 and
-11 of 1000 visible labels wrong, for 61, 4, 26, 0 and 8 by colour; where they had 0.02 more, 28 for
-3. Scenes in colour without H.264 (the same seeds, three variants) are good by colour. Tracks that
-are not good themselves replace failed ones only: at 50 frames per second (seed 31) strides were
-thought surer by 0.1 and had 84 of 1000 wrong, colour 11; neither was good."""
 
 
 def track_offline(
@@ -83,7 +73,7 @@ def track_offline(
     """
     given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
     n = task.frames[1] - task.frames[0]
-    enough = QualityLimits().good if n >= _LONG else _POOR
+    enough = QualityLimits().good if n >= RUN.colour_long else RUN.colour_poor
     best: tuple[Quality, Tracks] | None = None
     ways = _ways(views, start, task, settings=settings, looked=looked)
     if stacks is not None and looked is None and goes_on(views, start, task, stacks=stacks):
@@ -109,7 +99,7 @@ def track_offline(
 
 def _is_better(quality: Quality, than: Quality) -> bool:
     """Tell whether tracks by strides take the place of those by colour."""
-    surer = quality.expected_right > than.expected_right + _SURER
+    surer = quality.expected_right > than.expected_right + RUN.colour_surer
     return surer and (quality.verdict == "good" or than.verdict == "failed")
 
 

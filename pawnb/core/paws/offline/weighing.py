@@ -17,22 +17,10 @@ from pawnb.core.paws.offline.detection.appearance import (
 )
 from pawnb.core.paws.offline.detection.evidence import paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
-from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.parameters import RUN, OfflineParameters
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
 from pawnb.core.paws.offline.quality.signs import read_signs, usual_look
 from pawnb.core.paws.offline.view_input import ViewInput
-
-_CHANCE = 0.05
-"""A click that was wholly missed counts as if so much of the probability had been there."""
-
-_CLEAR = 6.5
-"""The usual powers are left only where others are so much likelier (e to the power of this): by
-more than two clicks, as one that was missed and is found counts 3.0. With 2.0 powers would have
-changed in 2 of 12 runs on real clips, and did no good: appearance left out, fly, 5 clicked frames,
-87 % as before; dog, 5, 82 % for 89."""
-_NEAR = 1.5
-"""An estimate within so many radii of a click counts as right. Half a paw, as those who marked
-the real clips saw it, is 1.1 to 2.0 of them; 1, 1.3 and 2 tell right labels from wrong as well."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +101,7 @@ def weigh(views: Sequence[ViewInput], n_points: int, parameters: OfflineParamete
     def score(powers: Powers) -> float:
         return _score([click.found for i in between for click in by_powers[powers][i]])
 
-    best, least = usual, score(usual) + _CLEAR
+    best, least = usual, score(usual) + RUN.weighing_clear
     highest = _score([1.0 for i in between for _ in by_powers[usual][i]])
     for powers in _others(usual, parameters):
         if least >= highest:
@@ -128,7 +116,7 @@ def weigh(views: Sequence[ViewInput], n_points: int, parameters: OfflineParamete
 def _left_out_rows(view: ViewInput, parameters: OfflineParameters) -> list[int]:
     """Return the clicked rows of a view that are left out, spread evenly; none of one."""
     rows = view.annotations.rows
-    if len(rows) < 2:
+    if len(rows) < 2:  # of one nothing is left to find it from
         return []
     chosen = np.unique(np.linspace(0, len(rows) - 1, parameters.appearance.folds).round())
     return [rows[int(i)] for i in chosen]
@@ -142,7 +130,7 @@ def _others(usual: Powers, parameters: OfflineParameters) -> list[Powers]:
 
 def _score(found: Sequence[float]) -> float:
     """Return the logarithm of the probability of all clicks."""
-    return float(np.log(np.array(found, float) + _CHANCE).sum())
+    return float(np.log(np.array(found, float) + RUN.weighing_chance).sum())
 
 
 class _LeftOut:
@@ -203,7 +191,7 @@ class _LeftOut:
             outcomes.append(
                 LeftOutClick(
                     p, _within(posteriors[p].mass[self.row], place, self.radius),
-                    right=off <= _NEAR * self.radius, signs=signs.columns()[self.row],
+                    right=off <= RUN.weighing_near * self.radius, signs=signs.columns()[self.row],
                 )
             )  # fmt: skip
         return outcomes

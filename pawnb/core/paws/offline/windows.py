@@ -7,15 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
 
 MOST_ROWS = 1000
 """Rows that are tracked at once: 2 GB for four points in a view."""
-_OVERLAP = 60
-_HANDED_ON = 3
-"""Rows of the overlap in which positions are handed on, evenly spread."""
-_LIKELY = 0.5
-"""Positions that are likelier wrong than right are not handed on."""
 
 
 def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
@@ -36,7 +32,7 @@ def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
     """
     if n <= MOST_ROWS:
         return [(0, n)]
-    count = int(np.ceil((n - _OVERLAP) / (MOST_ROWS - _OVERLAP)))
+    count = int(np.ceil((n - RUN.window_overlap) / (MOST_ROWS - RUN.window_overlap)))
     begins = np.linspace(0, n - MOST_ROWS, count).round().astype(int)
     spans = [(int(b), int(b) + MOST_ROWS) for b in begins]
     held = [sum(b <= row < e for row in clicked) for b, e in spans]
@@ -65,8 +61,8 @@ def handed_on(annotations: Annotations, found: ViewTrack, *, begin: int, end: in
     own = dict(annotations.part(begin, end).places)
     known = np.flatnonzero(np.isfinite(found.probability[begin:end]).any(axis=1))
     if len(known):
-        for row in known[np.linspace(0, len(known) - 1, _HANDED_ON + 2).astype(int)[1:-1]]:
-            likely = np.flatnonzero(found.probability[begin + row] >= _LIKELY)
+        for row in known[np.linspace(0, len(known) - 1, RUN.handed_on + 2).astype(int)[1:-1]]:
+            likely = np.flatnonzero(found.probability[begin + row] >= RUN.handed_on_likely)
             if len(likely) and row not in own:
                 own[int(row)] = {int(p): found.uv[begin + row, p] for p in likely}
     return Annotations(own)

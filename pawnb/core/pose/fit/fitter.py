@@ -90,7 +90,7 @@ class FrameFitter:
             for first, links in zip(layout.first, layout.n_links, strict=True)
         ]
         reach = np.hypot(*layout.attach.T) + layout.length.sum(axis=1)
-        self.reach = 1.03 * float(reach.max()) + 6.0
+        self.reach = FITTING.reach_more * float(reach.max()) + FITTING.reach_more_px
         self.body_radius = float((np.abs(layout.ellipse[:, 0]) + layout.ellipse[:, 2]).max())
         self.blur = SQRT5 * settings.blur_px
         self._room = make_canvas(1, 1, layout)
@@ -125,7 +125,7 @@ class FrameFitter:
         return self.evidence.crop_box(expected[:2], self.reach)
 
     def look(
-        self, frame: Frame, expected: FloatArray, *, margin: float = FITTING.body_margin_px
+        self, frame: Frame, expected: FloatArray, *, margin: float | None = None
     ) -> tuple[ImageEvidence, FloatArray, tuple]:
         """Return what a frame shows about the expected pose, its grey pixels and their box.
 
@@ -135,8 +135,8 @@ class FrameFitter:
             The frame.
         expected : ndarray
             The pose vector that is expected.
-        margin : float
-            Room about its body, working px.
+        margin : float, optional
+            Room about its body, working px; default the parameter ``body_margin_px``.
 
         Returns
         -------
@@ -153,7 +153,7 @@ class FrameFitter:
         box: tuple[int, int, int, int],
         expected: FloatArray,
         *,
-        margin: float = FITTING.body_margin_px,
+        margin: float | None = None,
     ) -> ImageEvidence:
         """Return what grey pixels show, the expected animal left out of the light.
 
@@ -168,8 +168,8 @@ class FrameFitter:
             Their place in the picture, px.
         expected : ndarray
             The pose vector that is expected.
-        margin : float
-            Room about its body, working px.
+        margin : float, optional
+            Room about its body, working px; default the parameter ``body_margin_px``.
 
         Returns
         -------
@@ -178,7 +178,7 @@ class FrameFitter:
         """
         empty = ImageEvidence(image, image, np.array([float(box[0]), float(box[1])]))
         seen = self.evidence.image_evidence(image, box, self._cover(expected, empty))
-        return seen if np.isinf(margin) else self.narrowed(seen, expected, margin=margin)
+        return seen if margin == np.inf else self.narrowed(seen, expected, margin=margin)
 
     def _cover(self, pose: FloatArray, image_evidence: ImageEvidence) -> IntArray:
         """Return where the animal and what is beside it may be: not -1; it does not last."""
@@ -206,7 +206,7 @@ class FrameFitter:
         image_evidence: ImageEvidence,
         expected: FloatArray,
         *,
-        margin: float = FITTING.body_margin_px,
+        margin: float | None = None,
     ) -> ImageEvidence:
         """Return a sight in which what is wider than a leg, but for the body, is not dark.
 
@@ -244,7 +244,7 @@ class FrameFitter:
         pose: FloatArray,
         image_evidence: ImageEvidence,
         *,
-        margin: float = FITTING.body_margin_px,
+        margin: float | None = None,
     ) -> BoolArray:
         """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W).
 
@@ -266,7 +266,7 @@ class FrameFitter:
         paint_some(
             self.layout,
             pose,
-            margin,
+            FITTING.body_margin_px if margin is None else margin,
             image_evidence.box,
             self.body_shown,
             value,
@@ -298,7 +298,7 @@ class FrameFitter:
         shown: BoolArray | None = None,
         blur: float | None = None,
         rounds: int = 6,
-        enough: float = FITTING.fitter_enough,
+        enough: float | None = None,
     ) -> tuple[FloatArray, float]:
         """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`.
 
@@ -331,7 +331,8 @@ class FrameFitter:
             self.everything if active is None else active,
             self.all_shown if shown is None else shown,
             self.blur if blur is None else blur,
-            self.settings.soft_error, rounds, enough, *self.canvas(image_evidence),
+            self.settings.soft_error, rounds, FITTING.fitter_enough if enough is None else enough,
+            *self.canvas(image_evidence),
         )  # fmt: skip
 
     def body_found(self, expected: FloatArray, image_evidence: ImageEvidence) -> FloatArray:

@@ -64,7 +64,7 @@ def n_parameters(layout: Layout) -> int:
 
 
 def make_layout(
-    animal: StickAnimal, *, px_per_unit: float, dark: float = 0.8, size: float = 1.0
+    animal: StickAnimal, *, px_per_unit: float, dark: float | None = None, size: float = 1.0
 ) -> Layout:
     """Return the animal as its species file has it.
 
@@ -75,7 +75,8 @@ def make_layout(
     px_per_unit : float
         Working pixels per unit of the species file's lengths.
     dark : float
-        Darkness relative to the background; legs fall to 0.6 of it at the tip.
+        Darkness relative to the background, of which legs keep a part at the tip; default the
+        parameter ``dark``.
     size : float
         Factor of all thicknesses.
 
@@ -84,7 +85,7 @@ def make_layout(
     Layout
         The arrays.
     """
-    legs = animal.legs
+    legs, dark = animal.legs, FITTING.dark if dark is None else dark
     most = max(len(leg.segments) for leg in legs)
     link, turn = np.zeros((len(legs), most), np.int64), np.zeros((len(legs), most))
     length, radius = np.zeros((len(legs), most)), np.zeros((len(legs), most + 1))
@@ -95,7 +96,8 @@ def make_layout(
         radius[i, : n + 1] = np.array(leg.widths) * (0.5 * size * px_per_unit)
     paler = np.ones((len(legs), most + 1))
     for i, leg in enumerate(legs):
-        paler[i, : len(leg.segments) + 1] = np.linspace(1.0, 0.6, len(leg.segments) + 1)
+        nodes = len(leg.segments) + 1
+        paler[i, :nodes] = np.linspace(1.0, FITTING.tip_dark, nodes)
     n_links = np.array([int(links_of(leg)[0][-1]) + 1 for leg in legs])
     body = [(*part.centre, part.length / 2, part.width / 2) for part in animal.body]
     darkness = np.full(len(body), dark)

@@ -32,6 +32,20 @@ class FittingParameters:
     fitter_enough, enough_of_body : float
         A fit ends when a step lowers its cost by less; that of the body alone earlier, as whole
         pixels will do. Set by hand.
+    reach_more, reach_more_px : float
+        The part of a frame that is looked at: so many times as far as the longest leg reaches, and
+        so many working px more. Set by hand.
+    dark, tip_dark : float
+        Darkness of the animal before anything is learnt, and that of a leg's tip in that of its
+        beginning. Set by hand.
+    light_from : float
+        Half the side of the square about the body's middle from which it is seen whether the animal
+        is darker than the background, in lengths of the body. Set by hand.
+    outer_share : float
+        Part of a leg, from the tip inwards, whose support is taken by itself. Set by hand.
+    support_least_dark, support_as_dark : float
+        Least darkness that is expected of a leg, and the share of it from which on a body under it
+        looks the same without the leg. Set by hand.
     layout_meets : float
         A part whose near end is no further from the origin, half lengths, ends there. Set by hand.
     waist_length, waist_width : float
@@ -51,6 +65,14 @@ class FittingParameters:
     fitter_wider: float = 2.2
     fitter_enough: float = 0.5
     enough_of_body: float = 5.0
+    reach_more: float = 1.03
+    reach_more_px: float = 6.0
+    dark: float = 0.8
+    tip_dark: float = 0.6
+    light_from: float = 0.15
+    outer_share: float = 0.33
+    support_least_dark: float = 0.05
+    support_as_dark: float = 0.7
     layout_meets: float = 0.1
     waist_length: float = 0.35
     waist_width: float = 0.2

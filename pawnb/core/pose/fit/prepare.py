@@ -92,7 +92,7 @@ def _animal_light(
 ) -> float:
     """Return 0 for an animal darker than the background, else its grey value."""
     u, v = (round(float(x)) for x in pose.xy[0])
-    half = max(3, round(0.15 * animal.body_length * float(pose.scale[0])))
+    half = max(3, round(FITTING.light_from * animal.body_length * float(pose.scale[0])))
     u0, v0 = max(0, u - half), max(0, v - half)
     u1, v1 = min(frame.width, u + half + 1), min(frame.height, v + half + 1)
     if u1 - u0 < 2 or v1 - v0 < 2:

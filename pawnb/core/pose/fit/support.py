@@ -36,9 +36,10 @@ def leg_supports(
         0 to 1. What lies on the body does not count; NaN where nothing is left.
     """
     joints, body = fitter.joints(pose), body_zone(fitter, pose, image_evidence)
+    limits = (FITTING.outer_share, FITTING.support_least_dark, FITTING.support_as_dark)
     return np.array(
         [
-            leg_support(fitter.layout, joints[leg], leg, image_evidence, fitter.blur, 0.33, body)
+            leg_support(fitter.layout, joints[leg], leg, image_evidence, fitter.blur, limits, body)
             for leg in range(len(joints))
         ]
     )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.epipolar import epipolar_support
 from pawnb.core.paws.offline.association.exclusivity import open_to_each
@@ -17,13 +17,11 @@ from pawnb.core.paws.offline.association.forward_backward import (
     smooth_posterior,
 )
 from pawnb.core.paws.offline.association.joint import paint_names, tell_apart
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import AssociationParameters, IdentityParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.rig import Rig
-
-_CLICK_SD = 0.6
-"""Standard deviation of a click, in places."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +141,7 @@ def _solve(
         ratio = ratio * factors[point] if point in factors else ratio.copy()
         for row in view.annotations.rows_of(point):
             uv = view.annotations.places[row][point]
-            ratio[row] = bump_at(ratio.shape[1:], stack.grid_of(uv, row), _CLICK_SD) + 1e-9
+            ratio[row] = bump_at(ratio.shape[1:], stack.grid_of(uv, row), LINKS.click_sd) + 1e-9
         return smooth_posterior(
             np.asarray(ratio, np.float32),
             stack.forward,
@@ -153,7 +151,7 @@ def _solve(
             compared=compared,
         )
 
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         return dict(zip(points, pool.map(one, points), strict=True))
 
 

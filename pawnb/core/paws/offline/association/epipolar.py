@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
 
 from pawnb.core import dlt
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.association.estimates import modes
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.rig import Rig
 from pawnb.core.sightlines import find_fundamental_matrix
 
-_MODES = 3
-_FLOOR = 0.05
-"""What a place far from every line keeps: the other view may be wrong."""
-_SD_RADII = 0.5
-"""Standard deviation of a line, in radii: two clicks of one paw in two views are so far apart."""
 _REACH_SDS, _STEPS = 4.5, 64
 """Across a line its support is in a table: so far, in so many steps a standard deviation."""
 
@@ -53,7 +49,7 @@ def epipolar_support(
     """
     matrices = [dlt.to_matrix(L) for L in rig.subset(names).coefs.T]
     support: list[dict[int, np.ndarray]] = []
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         seen = [
             {point: list(pool.map(_Seen(stack, radius), range(len(own[point])), own[point]))
              for point in own}
@@ -67,7 +63,7 @@ def epipolar_support(
             ]  # fmt: skip
             for point, factor in support[a].items():
                 told = [(found[point], F) for found, F in others if point in found]
-                draw = _Drawn(stack, told, _SD_RADII * radius)
+                draw = _Drawn(stack, told, LINKS.epipolar_sd_radii * radius)
                 list(pool.map(draw, range(len(factor)), factor))
     return support
 
@@ -79,7 +75,7 @@ class _Seen:
         self.stack, self.radius = stack, radius
 
     def __call__(self, row: int, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        found = modes(mass, self.radius, _MODES)
+        found = modes(mass, self.radius, LINKS.epipolar_modes)
         places = np.array([place for place, _ in found]).reshape(-1, 2)
         uv = self.stack.picture_of(places, row)
         return np.c_[uv, np.ones(len(uv))], np.array([p for _, p in found])
@@ -108,7 +104,9 @@ class _Drawn:
         size = factor.shape[::-1]
         for seen, fundamental in self.told:
             uv, probability = seen[row]
-            on_line = np.full(factor.shape, _FLOOR + 1 - probability.sum(), np.float32)
+            on_line = np.full(
+                factor.shape, LINKS.epipolar_floor + 1 - probability.sum(), np.float32
+            )
             for line, p in zip(uv @ fundamental.T @ to_view, probability, strict=True):
                 to_profile = np.zeros((2, 3))
                 to_profile[0] = line * self.step / (np.hypot(*line[:2]) + 1e-300)

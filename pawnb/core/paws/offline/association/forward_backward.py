@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import AssociationParameters
 
 _TINY = 1e-20
-_HALF_PAW = 1.5
-"""Blur before two distributions are compared, in places."""
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ def smooth_posterior(
 
 def _overlap(before: np.ndarray, after: np.ndarray) -> float:
     """Return the Bhattacharyya coefficient of two distributions, blurred."""
-    before, after = (cv2.GaussianBlur(mass, (0, 0), _HALF_PAW) for mass in (before, after))
+    before, after = (cv2.GaussianBlur(mass, (0, 0), LINKS.compare_blur) for mass in (before, after))
     return _total(cv2.sqrt(np.maximum(before * after, 0)))
 
 

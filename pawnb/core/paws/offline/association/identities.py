@@ -17,22 +17,9 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import Tracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
-
-_CLICK = 100.0
-"""What a tracklet through a click is worth to the point that was clicked."""
-_START_RADII, _STEP_RADII, _DRIFT_RADII = 1.0, 0.2, 0.05
-"""Standard deviations, in radii: of where a tracklet goes on, as things that meet hide each other;
-of its velocity; of how far it strays from a constant velocity in each row, at least."""
-_NODES, _GAP = 200, 1e-4
-"""The solver stops after so many nodes, or when nothing better than by this share is possible."""
-_LEAVING = 8
-"""Tracklets that are tried as the continuation of one."""
-_OVERLAP = 3
-"""Rows by which a tracklet may begin before the one that it continues has ended."""
-_AHEAD = 4
-"""Rows over which predictions at constant velocity are compared with what came."""
 
 
 @dataclass(frozen=True)
@@ -82,8 +69,8 @@ def decide(
         return np.empty(0, int)
     gains = gains.copy()
     for tracklet, point in clicked.items():
-        gains[tracklet] = -_CLICK
-        gains[tracklet, point] = _CLICK
+        gains[tracklet] = -LINKS.click_worth
+        gains[tracklet, point] = LINKS.click_worth
     arcs = _graph(tracklets, n, radius, parameters)
     share = _solve(arcs, gains, n_points)
     best = share.argmax(axis=1)
@@ -127,16 +114,16 @@ def _continuations(
     parameters: IdentityParameters,
 ) -> list[tuple[int, int, float, int]]:
     """Return arcs from tracklets to those that may continue them at their velocity."""
-    start = _START_RADII * radius
-    drift = max(_drift(tracklets), _DRIFT_RADII * radius)
-    turn = (_STEP_RADII * radius) ** 2 + drift**2
+    start = LINKS.start_sd_radii * radius
+    drift = max(_drift(tracklets), LINKS.drift_sd_radii * radius)
+    turn = (LINKS.velocity_sd_radii * radius) ** 2 + drift**2
     first = np.array([one.places[0] for one in tracklets])
     first_step = np.array([one.first_step for one in tracklets])
     arcs = []
     for i, one in enumerate(tracklets):
         # where things meet the one that goes on may be seen before the other has ended
         later = np.flatnonzero(
-            (begins > ends[i] - _OVERLAP) & (begins > begins[i]) & (ends > ends[i])
+            (begins > ends[i] - LINKS.overlap_rows) & (begins > begins[i]) & (ends > ends[i])
         )
         last = np.minimum(ends[i], begins[later] - 1)
         gap = (begins[later] - last)[:, None]
@@ -148,7 +135,7 @@ def _continuations(
         turned = ((one.last_step - first_step[later]) ** 2).sum(axis=1)
         cost = square / (2 * variance) + np.log(variance / start**2)
         cost += turned / (2 * turn * gap[:, 0]) + parameters.hidden * (gap[:, 0] - 1)
-        for j in np.argsort(cost, kind="stable")[:_LEAVING]:
+        for j in np.argsort(cost, kind="stable")[: LINKS.most_continuations]:
             if cost[j] < 2 * parameters.lost + parameters.hidden * gap[j, 0]:
                 arcs.append((2 * i + 1, 2 * int(later[j]), float(cost[j]), -1))
     return arcs
@@ -158,13 +145,15 @@ def _drift(tracklets: Sequence[Tracklet]) -> float:
     """Return how far points stray from a constant velocity in a row, in places."""
     missed = [
         np.linalg.norm(
-            one.places[2 * _AHEAD :] - 2 * one.places[_AHEAD:-_AHEAD] + one.places[: -2 * _AHEAD],
+            one.places[2 * LINKS.ahead_rows :]
+            - 2 * one.places[LINKS.ahead_rows : -LINKS.ahead_rows]
+            + one.places[: -2 * LINKS.ahead_rows],
             axis=1,
         )
         for one in tracklets
-        if len(one.places) > 2 * _AHEAD
+        if len(one.places) > 2 * LINKS.ahead_rows
     ]
-    return float(np.median(np.concatenate(missed))) / _AHEAD if missed else 0.0
+    return float(np.median(np.concatenate(missed))) / LINKS.ahead_rows if missed else 0.0
 
 
 def _solve(arcs: _Arcs, gains: np.ndarray, n_points: int) -> np.ndarray:
@@ -201,7 +190,7 @@ def _solve(arcs: _Arcs, gains: np.ndarray, n_points: int) -> np.ndarray:
     found = milp(
         cost.ravel(), integrality=whole, bounds=Bounds(0, 1),
         constraints=[LinearConstraint(flow, supply, supply), LinearConstraint(owners, ub=1.0)],
-        options={"node_limit": _NODES, "mip_rel_gap": _GAP},
+        options={"node_limit": LINKS.most_nodes, "mip_rel_gap": LINKS.solver_gap},
     )  # fmt: skip
     if found.x is None:
         return np.zeros((len(gains), n_points))

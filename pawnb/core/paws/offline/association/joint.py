@@ -3,24 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.identities import decide
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import Tracklet, find_candidates, link
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import IdentityParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
-
-_UNSURE = 0.02
-"""Added to probabilities by appearance before names are compared."""
-_MOST_THERE = 2.0
-"""What appearance and prior can say at most for or against there being any point at all."""
-_BUMP_SD = 1.3
-"""Standard deviation of a place that was decided on, in places."""
 
 
 def tell_apart(
@@ -80,7 +74,7 @@ def tell_apart(
             radius=radius, parameters=parameters,
         )  # fmt: skip
 
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         found = list(pool.map(candidates, range(n)))
     tracklets = [
         one
@@ -143,12 +137,14 @@ def _gains(
     look = np.stack([looks[p][t, y, x] for p in points], axis=1).astype(float)
     share = look / (1 + look)
     of_any = np.clip(share.sum(axis=1), 0.01, 0.99)
-    there = np.clip(np.log(of_any / (1 - of_any)), -_MOST_THERE, _MOST_THERE)
-    name = np.log(share + _UNSURE) - np.log((share + _UNSURE).mean(axis=1, keepdims=True))
+    there = np.clip(np.log(of_any / (1 - of_any)), -LINKS.most_there, LINKS.most_there)
+    name = np.log(share + LINKS.names_unsure) - np.log(
+        (share + LINKS.names_unsure).mean(axis=1, keepdims=True)
+    )
     motion = np.stack([others[p][t, y, x] for p in points], axis=1).astype(float)
     wont = np.stack([prior[p][y, x] for p in points], axis=1).astype(float)
     mean = wont.mean(axis=1, keepdims=True)
-    at_all = np.clip(np.log(mean[:, 0] * h * w), -_MOST_THERE, _MOST_THERE / 2)
+    at_all = np.clip(np.log(mean[:, 0] * h * w), -LINKS.most_there, LINKS.most_there / 2)
     log = (there + at_all)[:, None] + trust * name + np.log(motion)
     m = len(t)
     gains = log.mean(axis=0) * m / (1 + (m - 1) * alike)
@@ -188,7 +184,7 @@ def paint_names(
     """
     factors = {p: np.ones(shape, np.float32) for p in points}
     _, h, w = shape
-    reach = int(np.ceil(4 * _BUMP_SD + radius))
+    reach = int(np.ceil(4 * LINKS.decided_sd + radius))
     for one, name in zip(tracklets, names, strict=True):
         if name < 0:
             continue
@@ -200,7 +196,7 @@ def paint_names(
             y, x = np.mgrid[y0:y1, x0:x1]
             taken = (x - cx) ** 2 + (y - cy) ** 2 < (0.9 * radius) ** 2
             closed = np.where(taken, 1 - parameters.closed, 1).astype(np.float32)
-            bump = bump_at(closed.shape, (cx - x0, cy - y0), _BUMP_SD)
+            bump = bump_at(closed.shape, (cx - x0, cy - y0), LINKS.decided_sd)
             for p in points:
                 part = factors[p][t, y0:y1, x0:x1]
                 part *= 1 + parameters.gain * bump if p == name else closed

@@ -8,14 +8,10 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
-
-_REACH = 0.22
-"""Standard deviation about a click, in extents: a paw swings over about half of one."""
-_RADII = 3.2
-"""At least so many radii."""
 
 
 def prior_from_clicks(
@@ -45,7 +41,10 @@ def prior_from_clicks(
     for point in annotations.points:
         rows = annotations.rows_of(point)
         narrower = 1.0 if len(rows) == 1 else 0.8 if len(rows) < 4 else 0.65
-        sd = narrower * max(_REACH * parameters.scene.extent / stack.spacing, _RADII * radius)
+        sd = narrower * max(
+            LINKS.prior_sd * parameters.scene.extent / stack.spacing,
+            LINKS.prior_least_radii * radius,
+        )
         places = [stack.grid_of(annotations.places[row][point], row) for row in rows]
         mass = np.sum([bump_at((h, w), place, sd) for place in places], axis=0)
         mass = (1 - anywhere) * mass / mass.sum() + anywhere / (h * w)

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import IdentityParameters
-
-_VELOCITY_ROWS = 5
-"""Rows from which the velocity at either end is found."""
 
 _NEIGHBOURS: np.ndarray = np.ones((3, 3), np.uint8)
 _ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
@@ -168,14 +166,17 @@ class _Open:
         self.unseen = 0 if seen else self.unseen + 1
 
     def velocity(self) -> np.ndarray | None:
-        last = self.places[-_VELOCITY_ROWS:]
+        last = self.places[-LINKS.velocity_rows :]
         return None if len(last) < 3 else (last[-1] - last[0]) / (len(last) - 1)
 
     def closed(self, forward: np.ndarray) -> Tracklet:
         """Return it without what was not seen at its end."""
         places = np.array(self.places[: len(self.places) - self.unseen])
         ends = []
-        for some in (places[:_VELOCITY_ROWS], places[-_VELOCITY_ROWS:]):
+        for some in (
+            places[: LINKS.velocity_rows],
+            places[-LINKS.velocity_rows :],
+        ):
             ends.append((some[-1] - some[0]) / max(len(some) - 1, 1))
         if len(places) == 1 and len(forward):
             step = _at(forward[min(self.begin, len(forward) - 1)], places[0])

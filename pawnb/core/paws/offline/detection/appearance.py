@@ -12,17 +12,9 @@ import numpy as np
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.features import PictureFeatures
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
-
-_TURN_DEG, _SCALE, _SHIFT_PX, _LIGHT, _NOISE = 10.0, 0.08, 2.0, (0.8, 1.25), 3.0
-"""How far copies of a clicked picture are turned, scaled, shifted and lit differently."""
-_NOWHERE = 0.004
-"""Where points together are less likely, the places about it are not looked at: ratios of
-likelihoods begin above it (:attr:`AppearanceParameters.lowest`)."""
-_POSITIVE, _DOUBTFUL, _OPEN = 0.55, 1.0, 1.2
-"""In radii: what is the point's, what is neither its nor background, and about a place that may
-be a point without a name."""
 
 
 @dataclass(frozen=True)
@@ -124,12 +116,12 @@ def _samples(
     radius = parameters.radius
     for point, xy in lesson.points.items():
         away = _distances(stack, (h, w), turned[:, :2] @ xy + turned[:, 2])
-        label[away < _POSITIVE * radius] = point + 1
-        usable &= (away < _POSITIVE * radius) | (away >= _DOUBTFUL * radius)
+        label[away < LEARNT.own_radii * radius] = point + 1
+        usable &= (away < LEARNT.own_radii * radius) | (away >= LEARNT.doubtful_radii * radius)
         nearest = np.minimum(nearest, away)
     for xy in lesson.doubtful:
         away = _distances(stack, (h, w), turned[:, :2] @ xy + turned[:, 2])
-        usable &= (away >= _OPEN * radius) | (label > 0)
+        usable &= (away >= LEARNT.open_radii * radius) | (label > 0)
     positive = np.flatnonzero(label > 0)
     negative = np.flatnonzero((label == 0) & usable)
     weight = 1 / (1 + (nearest.ravel()[negative].astype(float) / (3 * radius)) ** 2)
@@ -173,15 +165,18 @@ def vary_picture(
     height, width = grey.shape
     turned = cv2.getRotationMatrix2D(
         (width / 2, height / 2),
-        random.uniform(-_TURN_DEG, _TURN_DEG),
-        random.uniform(1 - _SCALE, 1 + _SCALE),
+        random.uniform(-LEARNT.copies_turn_deg, LEARNT.copies_turn_deg),
+        random.uniform(1 - LEARNT.copies_scale, 1 + LEARNT.copies_scale),
     )
     turned = np.hstack(
-        [turned[:, :2], turned[:, 2:] + random.uniform(-_SHIFT_PX, _SHIFT_PX, (2, 1))]
+        [
+            turned[:, :2],
+            turned[:, 2:] + random.uniform(-LEARNT.copies_shift_px, LEARNT.copies_shift_px, (2, 1)),
+        ]
     )
     moved = cv2.warpAffine(grey, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
-    lit = moved * np.float32(random.uniform(*_LIGHT))
-    lit += np.float32(_NOISE) * random.standard_normal(moved.shape, dtype=np.float32)
+    lit = moved * np.float32(random.uniform(*LEARNT.copies_light))
+    lit += np.float32(LEARNT.copies_noise) * random.standard_normal(moved.shape, dtype=np.float32)
     if colour is not None:
         colour = cv2.warpAffine(colour, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
     return np.clip(lit, 0, 255).astype(np.uint8), colour, turned
@@ -250,7 +245,7 @@ def _probabilities(
     first = number[::2, ::2].ravel()
     probability = classify(features.at(first)).T
     flat[:, first] = probability[columns]
-    near.ravel()[first] = probability[0] < 1 - _NOWHERE
+    near.ravel()[first] = probability[0] < 1 - LEARNT.nowhere
     near = cv2.dilate(near, np.ones((5, 5), np.uint8))
     near[::2, ::2] = 0
     rest = np.flatnonzero(near)

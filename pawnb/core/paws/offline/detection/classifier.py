@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 
 Classifier = Callable[[np.ndarray], np.ndarray]
 """Features (m, F) to probabilities (m, 1 + P) of no point and of each."""
 
-_BATCH, _RATE, _DECAY = 256, 3e-3, 0.3
-"""Samples a step, its size, and the weight of the square of the weights."""
 _FIRST_MOMENT, _SECOND_MOMENT, _TINY = 0.9, 0.999, 1e-8
 """Of Adam, as Kingma & Ba (2015) propose them."""
 
@@ -128,7 +127,7 @@ def _train(
         _find_slopes(networks, slopes, samples[rows], target[rows])
         first += (1 - _FIRST_MOMENT) * (gradient - first)
         second += (1 - _SECOND_MOMENT) * (gradient * gradient - second)
-        rate = _RATE * np.sqrt(1 - _SECOND_MOMENT**step) / (1 - _FIRST_MOMENT**step)
+        rate = LEARNT.learning_rate * np.sqrt(1 - _SECOND_MOMENT**step) / (1 - _FIRST_MOMENT**step)
         vector -= np.float32(rate) * first / (np.sqrt(second) + np.float32(_TINY))
     return networks
 
@@ -137,8 +136,8 @@ def _batches(n: int, epochs: int, random: np.random.Generator) -> Iterator[np.nd
     """Yield the rows of each step: all of them once an epoch, in an order of its own."""
     for _ in range(epochs):
         order = random.permutation(n)
-        for begin in range(0, n, _BATCH):
-            yield order[begin : begin + _BATCH]
+        for begin in range(0, n, LEARNT.batch):
+            yield order[begin : begin + LEARNT.batch]
 
 
 def _find_slopes(
@@ -165,5 +164,5 @@ def _find_slopes(
     back *= active > 0
     slopes.inner[:] = samples.T @ back
     slopes.inner_bias[:] = back.sum(axis=0)
-    slopes.inner[:] += np.float32(_DECAY / n) * networks.inner
-    slopes.outer[:] += np.float32(_DECAY / n) * networks.outer
+    slopes.inner[:] += np.float32(LEARNT.weight_decay / n) * networks.inner
+    slopes.outer[:] += np.float32(LEARNT.weight_decay / n) * networks.outer

@@ -23,19 +23,12 @@ import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import CorrelationParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
-_SHRINK = 2
-"""Pictures and patches are made so much smaller."""
-_KNOWN_MEAN, _KNOWN_SD, _KNOWN_WORTH = 4.0, 1.5, 10.0
-"""Scores of the point itself before any is seen, and how many seen ones that is worth."""
-_LEAST_SHARE = 0.05
-"""Peaks that are the point with less probability carry nothing."""
 _TINY, _FLAT = 1e-6, 1e-2
 """Least norm of a patch and variance of grey values: what is flat correlates with nothing."""
-_HIGHEST = 0.98
-"""Correlations are not taken to be higher: a patch matches itself exactly."""
 
 
 @dataclass(frozen=True)
@@ -78,24 +71,33 @@ def detect_by_correlation(
         At most ``peaks`` for each point and row.
     """
     placed = annotations.moved(stack.to_body)
-    half = max(2, round(parameters.patch_radii * radius_px / _SHRINK))
+    half = max(2, round(parameters.patch_radii * radius_px / LEARNT.patch_shrink))
     known = _known_places(stack, followed, parameters)
     small = [
-        cv2.resize(g, None, fx=1 / _SHRINK, fy=1 / _SHRINK, interpolation=cv2.INTER_AREA)
+        cv2.resize(
+            g,
+            None,
+            fx=1 / LEARNT.patch_shrink,
+            fy=1 / LEARNT.patch_shrink,
+            interpolation=cv2.INTER_AREA,
+        )
         for g in stack.grey
     ]
     found = []
     for point in annotations.points:
         rows = annotations.rows_of(point)
-        xy = {row: (np.asarray(placed.places[row][point]) + 0.5) / _SHRINK - 0.5 for row in rows}
+        xy = {
+            row: (np.asarray(placed.places[row][point]) + 0.5) / LEARNT.patch_shrink - 0.5
+            for row in rows
+        }
         patches = {row: _patches(small[row], xy[row], half, parameters) for row in rows}
-        reach = parameters.reach * stack.extent_px * stack.scale / _SHRINK
+        reach = parameters.reach * stack.extent_px * stack.scale / LEARNT.patch_shrink
         low = np.min(list(xy.values()), axis=0) - reach
         high = np.max(list(xy.values()), axis=0) + reach
         found.append(_find_point(small, point, patches, (low, high), known, half, parameters))
     table = np.concatenate(found) if found else np.empty((0, 5))
     row = table[:, 0].astype(int)
-    place = stack.to_grid((table[:, 2:4] + 0.5) * _SHRINK - 0.5)
+    place = stack.to_grid((table[:, 2:4] + 0.5) * LEARNT.patch_shrink - 0.5)
     return Detections(
         row=row,
         point=table[:, 1].astype(int),
@@ -116,7 +118,7 @@ def _known_places(
         row = int(followed.row[i])
         A = stack.to_body[row]
         xy = A[:, :2] @ followed.uv[i] + A[:, 2]
-        places[row, int(followed.point[i])] = (xy + 0.5) / _SHRINK - 0.5
+        places[row, int(followed.point[i])] = (xy + 0.5) / LEARNT.patch_shrink - 0.5
     return places
 
 
@@ -166,7 +168,7 @@ def _find_point(
         ratio = np.exp(np.minimum(log, 50.0))
         share = ratio / (places + ratio.sum())
         for (x, y, _), own in zip(peaks, share, strict=True):
-            if own > _LEAST_SHARE:
+            if own > LEARNT.least_peak:
                 rows.append((t, point, x, y, np.log((parameters.gain - 1) * own)))
     return np.array(rows, float).reshape(-1, 5)
 
@@ -177,9 +179,12 @@ def scores_of_point(seen: np.ndarray) -> tuple[float, float]:
     NaN where none is known; what is taken to be known beforehand counts as ten of them.
     """
     own = seen[np.isfinite(seen)]
-    weight = _KNOWN_WORTH + len(own)
-    mean = (_KNOWN_WORTH * _KNOWN_MEAN + own.sum()) / weight
-    square = _KNOWN_WORTH * (_KNOWN_SD**2 + (_KNOWN_MEAN - mean) ** 2) + ((own - mean) ** 2).sum()
+    weight = LEARNT.score_worth + len(own)
+    mean = (LEARNT.score_worth * LEARNT.score_mean + own.sum()) / weight
+    square = (
+        LEARNT.score_worth * (LEARNT.score_sd**2 + (LEARNT.score_mean - mean) ** 2)
+        + ((own - mean) ** 2).sum()
+    )
     return float(mean), float(np.sqrt(square / weight))
 
 
@@ -197,7 +202,7 @@ def _score(
     if min(part.shape) < 4 * half:
         return None
     best = _best_correlation(part, patches)
-    z = np.arctanh(np.clip(best, -_HIGHEST, _HIGHEST))
+    z = np.arctanh(np.clip(best, -LEARNT.highest_correlation, LEARNT.highest_correlation))
     y, x = np.unravel_index(z.argmax(), z.shape)
     elsewhere = np.ones(z.shape, bool)
     elsewhere[max(0, y - half) : y + half + 1, max(0, x - half) : x + half + 1] = False

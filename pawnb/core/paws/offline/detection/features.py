@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-_FINE, _TEXTURE = 0.56, 1.4
-"""Standard deviations of the finest scale (of 1.5 px at full size, 1 px of them by halving) and of
-what texture is gathered over, px at half size."""
+from pawnb.core.paws.offline.detection.parameters import LEARNT
+
 _RINGS_PX = (10.0, 20.0, 35.0)
 _DIRECTIONS = 8
 _TURNS = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
@@ -84,7 +83,7 @@ class PictureFeatures:
         def on_grid(x: np.ndarray) -> np.ndarray:
             return np.ascontiguousarray(x[offset::step, offset::step][:h, :w])
 
-        fine = cv2.GaussianBlur(halved(grey).astype(np.float32) / 255, (0, 0), _FINE)
+        fine = cv2.GaussianBlur(halved(grey).astype(np.float32) / 255, (0, 0), LEARNT.fine_sd_px)
         gx, gy = (cv2.Sobel(fine, cv2.CV_32F, *d, ksize=1, scale=2) for d in ((1, 0), (0, 1)))
         brightness = on_grid(fine)
         gx_grid, gy_grid = on_grid(gx), on_grid(gy)
@@ -171,7 +170,8 @@ def _structure(
 ) -> list[np.ndarray]:
     """Return strength, coherence and direction (doubled) of the texture."""
     xx, yy, xy = (
-        on_grid(cv2.GaussianBlur(p, (0, 0), _TEXTURE)) for p in (gx * gx, gy * gy, gx * gy)
+        on_grid(cv2.GaussianBlur(p, (0, 0), LEARNT.texture_sd_px))
+        for p in (gx * gx, gy * gy, gx * gy)
     )
     apart = np.sqrt((xx - yy) ** 2 + 4 * xy**2)
     total = np.maximum(xx + yy, 0) + 1e-4

@@ -1,4 +1,4 @@
-"""Parameters of the stage ``colour``, each with unit and evidence."""
+"""Parameters of the stages ``colour``, ``learnt_detection`` and ``predictions``."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class ColourParameters:
     colour_model_few, colour_model_distinct, reach_few : int or float
         With fewer clicks than the first, as in one view by itself, half as far again, where the
         ratio at the clicks says that paws are distinguished well from the rest: the little that two
-        paws show close to their clicks is not all of their colours. Over 27 single views of
-        rendered mice 15 % of labels were wrong without it, 11 % with it, and 10 and 9 % with 0.008
-        and 0.012.
+        paws show close to their clicks is not all of their colours. Measured: over 27 single views
+        of rendered mice 15 % of labels were wrong without it, 11 % with it, and 10 and 9 % with
+        0.008 and 0.012.
     learnt_width : int
         Larger colour pictures are reduced to about this width before their look is learnt. Set by
         hand.
@@ -51,12 +51,12 @@ class ColourParameters:
         Set by hand.
     colour_model_alike : float
         Share of what is about the animal that passes for paws from which on finer steps of colour
-        are used: 0.2 to 1.7 % in 80 rendered scenes, 2.4 to 23 % in 14, most of which have a belt
-        as brown as the paws. In those 14 of 10,071 wrong labels 2,355 are left.
+        are used. Measured: 0.2 to 1.7 % in 80 rendered scenes, 2.4 to 23 % in 14, most of which
+        have a belt as brown as the paws. In those 14 of 10,071 wrong labels 2,355 are left.
     colour_model_faint : float
         Share of the same from which on pictures are smoothed more as well, and a place is told from
-        what is about it: beyond it 13 of 15 rendered scenes were lost without, as noise is larger
-        there than what tells paws from the belt; below it most are tracked.
+        what is about it. Measured: beyond it 13 of 15 rendered scenes were lost without, as noise
+        is larger there than what tells paws from the belt; below it most are tracked.
     colour_model_passing, most_limit : float
         With finer steps the limit from which a place counts as paw is that which this share of what
         is near paws would pass, shadow among it, but no higher than this share of what is usual at
@@ -65,7 +65,7 @@ class ColourParameters:
         How much finer than 8 levels the steps of each are. Set by hand.
     colour_quantisation_noise : tuple[float, ...]
         What a colour varies by at least, in the steps of :class:`FineColours`: noise of 8 levels of
-        brightness and 2 of colour.
+        brightness and 2 of colour. Set by hand.
     colour_quantisation_smooth, smooth_much : tuple[int, float]
         Side and standard deviation of what smooths a picture, px. Noise is as large as these steps:
         pictures are smoothed a little more than for the usual ones. Set by hand.
@@ -123,10 +123,10 @@ class ColourParameters:
         Set by hand.
     smooth_px, paw_width_fine : float or int
         Standard deviation of the smoothing, px, and steps in a pixel, with which the thickness is
-        measured.
+        measured. Set by hand.
     look_px, touch_px : int
         A paw's thickness is measured in a part of the picture this far about a click, at the pixels
-        this near to it.
+        this near to it. Set by hand.
     scan_follow : float
         Share by which the searched region follows the detections from frame to frame. Set by hand.
     scan_most_step : float
@@ -203,4 +203,189 @@ class ColourParameters:
 
 
 COLOUR = in_force("colour", ColourParameters())
+"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
+
+
+@dataclass(frozen=True)
+class LearntDetectionParameters:
+    """How a point's look is learnt in the recording, beside ``appearance`` and ``correlation``.
+
+    Parameters
+    ----------
+    copies_turn_deg : float
+        Copies of a clicked picture are turned by so much, degrees, either way. Set by hand.
+    copies_scale : float
+        They are scaled by so much, as a share, either way. Set by hand.
+    copies_shift_px : float
+        They are shifted by so much, working px, either way. Set by hand.
+    copies_light : tuple of float
+        Factors between which their light is changed. Set by hand.
+    copies_noise : float
+        Standard deviation of the noise that is added, grey values. Set by hand.
+    nowhere : float
+        Where points together are less likely, the places about it are not looked at: ratios of
+        likelihoods begin above it (``appearance.lowest``). Set by hand.
+    own_radii : float
+        What is so near to a point is the point's, in radii. Set by hand.
+    doubtful_radii : float
+        What is so near is neither its nor background, in radii. Set by hand.
+    open_radii : float
+        What is so near to a place that may be a point without a name says nothing, in radii. Set by
+        hand.
+    batch : int
+        Samples of one step of learning. Set by hand.
+    learning_rate : float
+        Size of a step. Set by hand.
+    weight_decay : float
+        Weight of the square of the weights. Set by hand.
+    patch_shrink : int
+        Pictures and patches are made so much smaller before they are correlated. Set by hand.
+    score_mean : float
+        Mean score of the point itself before any is seen. Set by hand.
+    score_sd : float
+        Its standard deviation. Set by hand.
+    score_worth : float
+        How many seen scores these two are worth. Set by hand.
+    least_peak : float
+        Peaks that are the point with less probability carry nothing. Set by hand.
+    highest_correlation : float
+        Correlations are not taken to be higher: a patch matches itself exactly. Set by hand.
+    fine_sd_px : float
+        Standard deviation of the finest scale, px at half size: 1.5 px at full size, 1 px of them
+        by halving. Set by hand.
+    texture_sd_px : float
+        That of what texture is gathered over, px at half size. Set by hand.
+    least_thickness : float
+        Paws are at least so thick, in distances of front from hind paws: brightness shows a part of
+        them only. Measured: 0.04 in a grey film whose colours show 0.057.
+    paw_px : float
+        Pictures are scaled until a paw is so thick, px. Measured: of 725 visible labels of a grey
+        film (half scale, seed 31) 0 and 21 were wrong where it was enlarged 3.3 and 2.0 times; this
+        is 2.8.
+    paw_spacing_px : int
+        They are looked at in such steps, px. Set by hand.
+    paw_own : float
+        In paw widths: what lies so near to a paw's point is the paw. Set by hand.
+    paw_doubtful : float
+        What lies so near is neither it nor background. Set by hand.
+    paw_open : float
+        What lies so near may be a paw where one was not clicked. Set by hand.
+    paw_most_odds : float
+        Largest logarithm of odds: networks that learnt from few clicks are too sure. Set by hand.
+    paw_neutral : float
+        Logarithm of odds that tells neither way: a paw lies in one of so many (13) places. Set by
+        hand.
+    paw_copies : int
+        How often a clicked picture is taken, turned, scaled and lit differently. Set by hand.
+    paw_copies_tracked : int
+        The same of a tracked one. Set by hand.
+    paw_frames : int
+        Frames from which is learnt again, spread over the recording. Set by hand.
+    paw_sure : float
+        Standard deviation, in paw widths, below which a track is learnt from. Set by hand.
+    """
+
+    copies_turn_deg: float = 10.0
+    copies_scale: float = 0.08
+    copies_shift_px: float = 2.0
+    copies_light: tuple[float, float] = (0.8, 1.25)
+    copies_noise: float = 3.0
+    nowhere: float = 0.004
+    own_radii: float = 0.55
+    doubtful_radii: float = 1.0
+    open_radii: float = 1.2
+    batch: int = 256
+    learning_rate: float = 3e-3
+    weight_decay: float = 0.3
+    patch_shrink: int = 2
+    score_mean: float = 4.0
+    score_sd: float = 1.5
+    score_worth: float = 10.0
+    least_peak: float = 0.05
+    highest_correlation: float = 0.98
+    fine_sd_px: float = 0.56
+    texture_sd_px: float = 1.4
+    least_thickness: float = 0.05
+    paw_px: float = 18.0
+    paw_spacing_px: int = 4
+    paw_own: float = 0.35
+    paw_doubtful: float = 0.7
+    paw_open: float = 1.2
+    paw_most_odds: float = 4.0
+    paw_neutral: float = -2.5
+    paw_copies: int = 8
+    paw_copies_tracked: int = 1
+    paw_frames: int = 32
+    paw_sure: float = 0.3
+
+
+LEARNT = in_force("learnt_detection", LearntDetectionParameters())
+"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
+
+
+@dataclass(frozen=True)
+class PredictionParameters:
+    """How far predictions of another program are believed.
+
+    Parameters
+    ----------
+    least_likelihood : float
+        A prediction's likelihood counts as this much at least. Set by hand.
+    sd : float
+        Standard deviation of predictions before any click is seen, in extents. Set by hand.
+    sd_clicks : float
+        How many clicks that is worth. Set by hand.
+    sd_least : float
+        It is at least so large, in extents. Set by hand.
+    sd_least_px : float
+        And at least so large, px. Set by hand.
+    misplaced : float
+        A right prediction is not where it was clicked in this share of clicks. Set by hand.
+    on_another : float
+        A wrong prediction is on another point in this share of clicks. Set by hand.
+    sure : float
+        Most that a prediction is believed. Set by hand.
+    longest_wrong : float
+        Longer stretches of errors, in frames, are known from clicks alone and make no evidence
+        weaker. Set by hand.
+    rounds : int
+        Times that reliability and its parameters are estimated in turn. Set by hand.
+    unknown_extent : float
+        Extent where there are no two points, in shorter sides of the picture. Set by hand.
+    mostly : float
+        Steps are mostly below this percentile of them. Predictions may be wrong in a tenth of
+        frames, which is a fifth of steps. Set by hand.
+    mostly_times : float
+        Times this. Set by hand.
+    least_step : float
+        But at least so long, in extents a frame. Set by hand.
+    most_step : float
+        And at most so long. Set by hand.
+    step_gap : int
+        Predictions farther apart than so many frames say nothing of steps. Set by hand.
+    crossed : float
+        Two points exchange places if crossed steps are shorter than this share of straight ones.
+        Set by hand.
+    """
+
+    least_likelihood: float = 0.02
+    sd: float = 0.03
+    sd_clicks: float = 2.0
+    sd_least: float = 0.01
+    sd_least_px: float = 1.0
+    misplaced: float = 0.02
+    on_another: float = 0.5
+    sure: float = 0.98
+    longest_wrong: float = 30.0
+    rounds: int = 12
+    unknown_extent: float = 0.4
+    mostly: float = 75.0
+    mostly_times: float = 1.5
+    least_step: float = 0.01
+    most_step: float = 0.1
+    step_gap: int = 5
+    crossed: float = 0.5
+
+
+PREDICTIONS = in_force("predictions", PredictionParameters())
 """The values in force; see :func:`pawnb.core.parameters.in_force`."""

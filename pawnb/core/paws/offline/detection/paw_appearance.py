@@ -25,33 +25,14 @@ from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
 from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
 from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
 from pawnb.core.paws.offline.detection.features import feature_maps
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.pixels.grey import grey, has_colour
 
-LEAST_THICKNESS = 0.05
-"""Paws are at least so thick, in distances of front from hind paws: brightness shows a part of them
-only (0.04 in a grey film whose colours show 0.057)."""
-_THICKNESS_PX, _SPACING = 18.0, 4
-"""Pictures are scaled until a paw is so thick, and looked at in such steps, px. Of 725 visible
-labels of a grey film (half scale, seed 31) 0 and 21 were wrong where it was enlarged 3.3 and 2.0
-times; this is 2.8."""
-_PAW, _DOUBTFUL, _OPEN = 0.35, 0.7, 1.2
-"""In paw widths: what lies so near to a paw's point is the paw, what is neither it nor background,
-and what may be a paw where one was not clicked."""
-_MOST_ODDS = 4.0
-"""Largest logarithm of odds: networks that learnt from few clicks are too sure."""
-_NEUTRAL = -2.5
-"""Logarithm of odds that tells neither way: a paw lies in one of so many (13) places."""
-_COPIES, _COPIES_TRACKED = 8, 1
-"""How often a clicked picture is taken, turned, scaled and lit differently, and a tracked one."""
-_FRAMES = 32
-"""Frames from which is learnt again, spread over the recording."""
 _CODE = ("classifier.py", "features.py", "paw_appearance.py")
 """What kept detections depend on besides what was learnt from."""
-_SURE = 0.3
-"""Standard deviation, in paw widths, below which a track is learnt from."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +71,7 @@ class _Reading:
         """Return brightness and colour (two channels) of a picture at the working scale."""
         if self.mirrored:
             pixels = np.ascontiguousarray(pixels[:, ::-1])
-        h, w = (max(_SPACING, round(side * self.scale)) for side in pixels.shape[:2])
+        h, w = (max(LEARNT.paw_spacing_px, round(side * self.scale)) for side in pixels.shape[:2])
         large = cv2.resize(pixels, (w, h), interpolation=cv2.INTER_LINEAR)
         level = large if large.ndim == 2 else cv2.cvtColor(large, cv2.COLOR_RGB2GRAY)
         steps = np.clip((np.arange(256) - self.black) / max(self.white - self.black, 1.0), 0, 1)
@@ -107,8 +88,8 @@ class _Reading:
 
     def back(self, grid: np.ndarray, size: tuple[int, int]) -> np.ndarray:
         """Return values of the grid (h, w) at the pixels of a picture of this width and height."""
-        k = self.scale / _SPACING
-        shift = (0.5 * self.scale - 0.5 - _SPACING // 2) / _SPACING
+        k = self.scale / LEARNT.paw_spacing_px
+        shift = (0.5 * self.scale - 0.5 - LEARNT.paw_spacing_px // 2) / LEARNT.paw_spacing_px
         values = cv2.warpAffine(
             grid, np.array([[k, 0, shift], [0, k, shift]]), size,
             flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
@@ -161,12 +142,12 @@ class PawLook(Appearance):
         del origin, shrink  # what is about a place tells, and how it is read is known
         if self.known is None or self.reading is None:
             raise ValueError("this look was not learnt")
-        features = feature_maps(*self.reading.read(pixels), _SPACING)
+        features = feature_maps(*self.reading.read(pixels), LEARNT.paw_spacing_px)
         h, w = features.shape[:2]
         chance = self.known.classify(features.reshape(h * w, -1))[:, 1].reshape(h, w)
-        least = 1.0 / (1.0 + np.exp(_MOST_ODDS))
+        least = 1.0 / (1.0 + np.exp(LEARNT.paw_most_odds))
         chance = np.clip(chance, least, 1.0 - least)
-        odds = (np.log(chance / (1.0 - chance)) - _NEUTRAL).astype(np.float32)
+        odds = (np.log(chance / (1.0 - chance)) - LEARNT.paw_neutral).astype(np.float32)
         return self.reading.back(odds, (pixels.shape[1], pixels.shape[0]))
 
 
@@ -230,9 +211,11 @@ def tracked_lessons(
     """
     shown = scene.projection.project(refined.x)  # (n, P, V, 2)
     seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
-    sure = refined.sd.mean(axis=-1) < _SURE * scene.paw_width
+    sure = refined.sd.mean(axis=-1) < LEARNT.paw_sure * scene.paw_width
     lessons = {}
-    for row in np.unique(np.linspace(0, len(shown) - 1, _FRAMES).round().astype(int)).tolist():
+    for row in np.unique(
+        np.linspace(0, len(shown) - 1, LEARNT.paw_frames).round().astype(int)
+    ).tolist():
         own = seen[row] & sure[row] & tracked
         lessons[first + row] = PawLesson(
             [shown[row, here, v] for v, here in enumerate(own)],
@@ -276,7 +259,7 @@ def with_paw_looks(
     is_colour = all(has_colour(p.pixels) for p in pictures)
     readings = [
         _Reading(
-            _THICKNESS_PX * detector.shrink / float(scene.paw_width_px[v]), layout.facing[v] < 0,
+            LEARNT.paw_px * detector.shrink / float(scene.paw_width_px[v]), layout.facing[v] < 0,
             black, white, is_colour,
         )
         for v, detector in enumerate(scene.detectors)
@@ -301,7 +284,7 @@ def with_paw_looks(
     at_clicks = [
         peaks_at(learnt[p.view].score(p.pixels), p.paws, scene.detectors[p.view].reach)
         for p in pictures
-        if p.copies == _COPIES
+        if p.copies == LEARNT.paw_copies
     ]
     usual = max(float(np.median(np.concatenate(at_clicks))), 0.1)
     detectors = [
@@ -342,7 +325,7 @@ def _pictures(
             paws, doubtful = (
                 (at - origin + 0.5) / detector.shrink - 0.5 for at in (paws, doubtful)
             )
-            copies = _COPIES if lesson.clicked else _COPIES_TRACKED
+            copies = LEARNT.paw_copies if lesson.clicked else LEARNT.paw_copies_tracked
             pixels = normalise_illumination(pixels, detector.illumination)
             found.append(_Picture(v, pixels, paws, doubtful, copies, lesson.whole))
     return found
@@ -364,15 +347,15 @@ def _lots(
         seen, shade, turned = level, colour, np.eye(2, 3)
         if copy:
             seen, shade, turned = vary_picture(level, colour, random)
-        features = feature_maps(seen, shade, _SPACING)
+        features = feature_maps(seen, shade, LEARNT.paw_spacing_px)
         h, w = features.shape[:2]
         near, may = (
             _distances((h, w), at @ turned[:, :2].T + turned[:, 2]) for at in (paws, doubtful)
         )
-        positive = np.flatnonzero(near < _PAW)
+        positive = np.flatnonzero(near < LEARNT.paw_own)
         chosen: np.ndarray = np.empty(0, int)
         if picture.whole:
-            free = np.flatnonzero((near >= _DOUBTFUL) & (may >= _OPEN))
+            free = np.flatnonzero((near >= LEARNT.paw_doubtful) & (may >= LEARNT.paw_open))
             weight = 1.0 / (1.0 + (near[free] / 4.0) ** 2)
             count = min(len(free), parameters.background)
             chosen = random.choice(free, count, replace=False, p=weight / weight.sum())
@@ -385,8 +368,11 @@ def _lots(
 def _distances(shape: tuple[int, int], at: np.ndarray) -> np.ndarray:
     """Return how far each place of a grid (h * w,) is from the nearest position, paw widths."""
     h, w = shape
-    grid = np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1) * _SPACING + _SPACING // 2
+    grid = (
+        np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1) * LEARNT.paw_spacing_px
+        + LEARNT.paw_spacing_px // 2
+    )
     away = np.full(h * w, np.inf)
     for xy in at:
-        away = np.minimum(away, np.linalg.norm(grid - xy, axis=-1).ravel() / _THICKNESS_PX)
+        away = np.minimum(away, np.linalg.norm(grid - xy, axis=-1).ravel() / LEARNT.paw_px)
     return away

@@ -27,6 +27,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.detection.parameters import PREDICTIONS
 from pawnb.core.paws.offline.detection.prediction_reliability import (
     EXCHANGE,
     LIKELIHOOD_EDGES,
@@ -37,28 +38,6 @@ from pawnb.core.paws.offline.detection.prediction_reliability import (
     first_rates,
     smooth_states,
 )
-
-_LEAST_LIKELIHOOD = 0.02
-_SD, _SD_CLICKS, _SD_LEAST, _SD_LEAST_PX = 0.03, 2.0, 0.01, 1.0
-"""Standard deviation before any click is seen and its worth in clicks; extents, clicks, ..., px."""
-_MISPLACED = 0.02
-"""A right prediction is not where it was clicked in this share of clicks."""
-_ON_ANOTHER = 0.5
-"""A wrong prediction is on another point in this share of clicks."""
-_SURE = 0.98
-_LONGEST_WRONG = 30.0
-"""Longer stretches of errors, in frames, are known from clicks alone and make no evidence weaker.
-"""
-_ROUNDS = 12
-_UNKNOWN_EXTENT = 0.4
-"""Extent where there are no two points, in shorter sides of the picture."""
-_MOSTLY, _MOSTLY_TIMES, _LEAST_STEP, _MOST_STEP = 75.0, 1.5, 0.01, 0.1
-"""Steps are mostly below this percentile of them times this, within these bounds, extents in a
-frame; predictions may be wrong in a tenth of frames, which is a fifth of steps."""
-_STEP_GAP = 5
-"""Predictions farther apart than so many frames say nothing of steps."""
-_CROSSED = 0.5
-"""Two points exchange places if crossed steps are shorter than this share of straight ones."""
 
 
 @dataclass(frozen=True)
@@ -139,9 +118,9 @@ def predictions_as_detections(
     """
     quality = judge_predictions(uv, likelihood, annotations, size=size)
     row, point = np.nonzero(quality.right > 0)
-    right = np.minimum(quality.right[row, point], _SURE)
+    right = np.minimum(quality.right[row, point], PREDICTIONS.sure)
     area = quality.extent_px**2 / (2 * np.pi * quality.sd_px**2)
-    exponent = 1 / min(quality.stays_wrong, _LONGEST_WRONG)
+    exponent = 1 / min(quality.stays_wrong, PREDICTIONS.longest_wrong)
     ratio = np.expm1(exponent * np.log1p(right / (1 - right) * area))
     return Detections(
         row=row,
@@ -173,14 +152,14 @@ def judge_predictions(
     PredictionQuality
         How good they are.
     """
-    there = np.isfinite(uv).all(axis=2) & (likelihood >= _LEAST_LIKELIHOOD)
+    there = np.isfinite(uv).all(axis=2) & (likelihood >= PREDICTIONS.least_likelihood)
     uv = np.where(there[..., None], uv, np.nan)
     extent = find_extent(uv, annotations, size)
     kinds = np.where(there, np.digitize(likelihood, LIKELIHOOD_EDGES), -1)
     steps = _kinds_of_steps(uv, extent)
     apart = distances_from_clicks(uv, annotations)
-    sd, rates = _SD * extent, first_rates()
-    for _ in range(_ROUNDS):
+    sd, rates = PREDICTIONS.sd * extent, first_rates()
+    for _ in range(PREDICTIONS.rounds):
         at_clicks = _at_clicks(uv, annotations, sd=sd, extent=extent)
         state, pairs = smooth_states(kinds, steps, at_clicks=at_clicks, rates=rates)
         sd = _estimate_sd(apart, state[..., RIGHT], extent)
@@ -212,7 +191,7 @@ def find_extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int])
     largest = np.where(np.isnan(apart), 0.0, apart).max(axis=1, initial=0.0)
     predicted = float(np.median(largest[largest > 0])) if largest.any() else 0.0
     extent = float(np.nanmax([annotations.extent(), predicted]))
-    return extent if extent > 0 else _UNKNOWN_EXTENT * min(size)
+    return extent if extent > 0 else PREDICTIONS.unknown_extent * min(size)
 
 
 def distances_from_clicks(uv: np.ndarray, annotations: Annotations) -> np.ndarray:
@@ -231,9 +210,11 @@ def _kinds_of_steps(uv: np.ndarray, extent: float) -> np.ndarray:
     before, gap = _ones_before(uv)
     straight = np.linalg.norm(uv - before, axis=2)
     single = straight[gap == 1]
-    mostly = _MOSTLY_TIMES * np.percentile(single, _MOSTLY) if len(single) else 0.0
-    mostly = np.clip(mostly, _LEAST_STEP * extent, _MOST_STEP * extent)
-    known = (gap > 0) & (gap <= _STEP_GAP)
+    mostly = (
+        PREDICTIONS.mostly_times * np.percentile(single, PREDICTIONS.mostly) if len(single) else 0.0
+    )
+    mostly = np.clip(mostly, PREDICTIONS.least_step * extent, PREDICTIONS.most_step * extent)
+    known = (gap > 0) & (gap <= PREDICTIONS.step_gap)
     kinds = np.full((n, n_points), UNKNOWN)
     kinds[known] = np.digitize(straight[known] / (mostly * gap[known]), STEP_EDGES)
     for a in range(n_points):
@@ -241,7 +222,7 @@ def _kinds_of_steps(uv: np.ndarray, extent: float) -> np.ndarray:
             crossed = np.linalg.norm(uv[:, a] - before[:, b], axis=1)
             crossed += np.linalg.norm(uv[:, b] - before[:, a], axis=1)
             both = straight[:, a] + straight[:, b]
-            exchanged = (crossed < _CROSSED * both) & (both > 2 * STEP_EDGES[0] * mostly)
+            exchanged = (crossed < PREDICTIONS.crossed * both) & (both > 2 * STEP_EDGES[0] * mostly)
             exchanged &= known[:, a] & known[:, b]
             kinds[exchanged, a] = kinds[exchanged, b] = EXCHANGE
     return kinds
@@ -277,8 +258,10 @@ def _at_clicks(uv: np.ndarray, annotations: Annotations, *, sd: float, extent: f
             own = density.pop(point)
             if np.isfinite(own):
                 wrong = np.mean(list(density.values()) or [1.0])
-                right = (1 - _MISPLACED) * own + _MISPLACED
-                ratio[row, point] = right / ((1 - _ON_ANOTHER) + _ON_ANOTHER * wrong)
+                right = (1 - PREDICTIONS.misplaced) * own + PREDICTIONS.misplaced
+                ratio[row, point] = right / (
+                    (1 - PREDICTIONS.on_another) + PREDICTIONS.on_another * wrong
+                )
     return ratio
 
 
@@ -286,6 +269,9 @@ def _estimate_sd(apart: np.ndarray, right: np.ndarray, extent: float) -> float:
     """Return the standard deviation of predictions that are right, px."""
     clicked = np.isfinite(apart)
     weight = right[clicked]
-    total = 2 * _SD_CLICKS * (_SD * extent) ** 2 + (weight * apart[clicked] ** 2).sum()
-    sd = np.sqrt(total / (2 * _SD_CLICKS + 2 * weight.sum()))
-    return float(max(sd, _SD_LEAST * extent, _SD_LEAST_PX))
+    total = (
+        2 * PREDICTIONS.sd_clicks * (PREDICTIONS.sd * extent) ** 2
+        + (weight * apart[clicked] ** 2).sum()
+    )
+    sd = np.sqrt(total / (2 * PREDICTIONS.sd_clicks + 2 * weight.sum()))
+    return float(max(sd, PREDICTIONS.sd_least * extent, PREDICTIONS.sd_least_px))

@@ -16,14 +16,6 @@ from scipy.ndimage import gaussian_filter
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
-_REACH = 3.5
-"""Detections up to so many paw widths to either side of a paw may belong to its limb. Set by
-hand."""
-_BIN = 0.5
-"""Side of a bin, in paw widths: about how well a detection's place is known. Set by hand."""
-_BINS = round(2 * _REACH / _BIN)
-"""Bins along each axis."""
-
 
 @dataclass(frozen=True)
 class LimbClutter:
@@ -88,7 +80,8 @@ def learn_limb_clutter(
     """
     n_points, n_views = uv.shape[1:3]
     n_grades = len(GAP_CLOSING.limb_clutter_grades) + 1
-    count = np.zeros((n_points, n_views, n_grades * _BINS**2))
+    bins = _bins_across()
+    count = np.zeros((n_points, n_views, n_grades * bins**2))
     # sightings of each point, those with all others elsewhere, and other points near them
     observed, apart, met = (np.zeros((n_points, n_views, 1, 1, 1)) for _ in range(3))
     grade = np.digitize(observations.detection_probability, GAP_CLOSING.limb_clutter_grades)
@@ -103,15 +96,17 @@ def learn_limb_clutter(
         others = np.delete(uv, p, axis=1) - uv[:, p, None]
         away = np.abs(others / paw_width_px[:, None]).max(axis=-1)
         alone = seen * np.delete(trust, p, axis=1).min(axis=1, initial=1.0)[:, None]
-        alone = alone * (away > _REACH + 1.0).all(axis=1)
+        alone = alone * (away > GAP_CLOSING.limb_clutter_reach + 1.0).all(axis=1)
         observed[p, :, 0, 0, 0], apart[p, :, 0, 0, 0] = seen.sum(axis=0), alone.sum(axis=0)
-        met[p, :, 0, 0, 0] = (seen[:, None] * (away < _REACH)).sum(axis=(0, 1))
+        met[p, :, 0, 0, 0] = (seen[:, None] * (away < GAP_CLOSING.limb_clutter_reach)).sum(
+            axis=(0, 1)
+        )
         for v in range(n_views):
             limb = inside[:, v] & observations.is_there[:, v] & ~near[:, v]
-            number = (grade[:, v][limb] * _BINS + row[:, v][limb]) * _BINS + column[:, v][limb]
+            number = (grade[:, v][limb] * bins + row[:, v][limb]) * bins + column[:, v][limb]
             weight = np.broadcast_to(alone[:, v, None], limb.shape)[limb]
-            count[p, v] = np.bincount(number, weight, n_grades * _BINS**2)
-    count = count.reshape(n_points, n_views, n_grades, _BINS, _BINS)
+            count[p, v] = np.bincount(number, weight, n_grades * bins**2)
+    count = count.reshape(n_points, n_views, n_grades, bins, bins)
     smooth = gaussian_filter(
         count,
         (0, 0, 0, GAP_CLOSING.limb_clutter_smooth, GAP_CLOSING.limb_clutter_smooth),
@@ -121,8 +116,13 @@ def learn_limb_clutter(
     # what is as common everywhere is no limb
     usual = np.median(rate, axis=(3, 4), keepdims=True)
     # other paws come from everywhere: one is assumed to have come beforehand
-    other = (met + 1.0) / (observed + GAP_CLOSING.limb_clutter_before) / _BINS**2
+    other = (met + 1.0) / (observed + GAP_CLOSING.limb_clutter_before) / bins**2
     return LimbClutter(np.log1p(np.maximum(rate - usual, 0.0) / (usual + other)))
+
+
+def _bins_across() -> int:
+    """Return how many bins there are along each axis."""
+    return round(2 * GAP_CLOSING.limb_clutter_reach / GAP_CLOSING.limb_clutter_bin)
 
 
 def _bins(
@@ -130,7 +130,7 @@ def _bins(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return row and column of detections (n, V, C) about a point, and whether they are near."""
     step = (at - uv[:, :, None]) / paw_width_px[:, None, None]
-    number = np.floor((step + _REACH) / _BIN)
-    inside = ((number >= 0) & (number < _BINS)).all(axis=-1)
+    number = np.floor((step + GAP_CLOSING.limb_clutter_reach) / GAP_CLOSING.limb_clutter_bin)
+    inside = ((number >= 0) & (number < _bins_across())).all(axis=-1)
     number = np.where(inside[..., None], number, 0.0).astype(int)
     return number[..., 1], number[..., 0], inside

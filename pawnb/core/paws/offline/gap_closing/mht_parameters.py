@@ -10,8 +10,7 @@ from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 class MHTParameters(NamedTuple):
     """Parameters of multiple hypothesis tracking; costs are minus log-probabilities.
 
-    Those after the first six are the ``mht_...`` of :class:`.gap_closing.parameters
-    .GapClosingParameters`, where unit and evidence stand.
+    Those after the first six are the ``mht_...`` of the stage, where unit and evidence stand.
 
     Parameters
     ----------

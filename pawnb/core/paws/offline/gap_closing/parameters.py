@@ -36,8 +36,8 @@ class GapClosingParameters:
         Squared standard deviations beyond which a point off its arc costs no more: an arc may be of
         a stance that was estimated wrongly. Set by hand.
     gap_closing_kick : float
-        Standard deviation of what lift-off changes of a speed, in that of the fastest swings: front
-        paws go up at once, by up to 1.3 of it in rendered scenes.
+        Standard deviation of what lift-off changes of a speed, in that of the fastest swings.
+        Measured: front paws go up at once, by up to 1.3 of it in rendered scenes.
     rising_s, swinging_s : float
         Time, s, after lift-off in which a paw is bent and dim, and in which it swings for certain.
         Set by hand.
@@ -48,7 +48,13 @@ class GapClosingParameters:
     limb_clutter_at : float
         A detection within so many paw widths of a point is that point's. Set by hand.
     limb_clutter_grades : tuple[float, ...]
-        Detections of a limb look worse than paws: those that look alike are counted together.
+        Detections of a limb look worse than paws: those that look alike are counted together. Set
+        by hand.
+    limb_clutter_reach : float
+        Detections up to so many paw widths to either side of a paw may belong to its limb. Set by
+        hand.
+    limb_clutter_bin : float
+        Side of a bin, in paw widths: about how well a detection's place is known. Set by hand.
     limb_clutter_smooth : float
         Standard deviation, in bins, by which counts are smoothed. Set by hand.
     limb_clutter_before : float
@@ -61,9 +67,9 @@ class GapClosingParameters:
     rejection_settled : int
         Frames for which a point must have stood for its path to be taken as drawn off. Set by hand.
     off_arc : float
-        A place so many standard deviations off the arc of a swing is associated again, and
+        A place so many standard deviations off the arc of a swing is associated again. Set by hand.
     off_at_least : float
-        at least so many paw widths count as one of them. Set by hand.
+        So many paw widths at least count as one of these. Set by hand.
     followed_s : float
         Time, s, for which wrists are followed: so long a paw may be covered before it lifts off.
         Set by hand.
@@ -141,14 +147,14 @@ class GapClosingParameters:
         Share of them that may be farther ahead or behind, left or right. Set by hand.
     region_ahead, region_aside : float
         So much farther, in body sizes, it may be where it is not seen: paws are seen worst where
-        they lift off, at the end of their range. With 30 % of all detections left out 17.7 of 1000
-        visible labels were wrong without limits and 4.1 with these (``benchmarks/unseen_paws.py``,
-        two rendered scenes in colour).
+        they lift off, at the end of their range. Measured: with 30 % of all detections left out
+        17.7 of 1000 visible labels were wrong without limits and 4.1 with these
+        (``benchmarks/unseen_paws.py``, two rendered scenes in colour).
     region_sd : float
         Standard deviation of how far beyond that it is, in body sizes. Set by hand.
     region_nearest : float
-        Points are not nearer to each other in space than so many paw widths: 0.95 in eight
-        rendered scenes.
+        Points are not nearer to each other in space than so many paw widths. Measured: 0.95 in
+        eight rendered scenes.
     region_shared : float
         Cost of a frame on the very place of another point. Set by hand.
     """
@@ -170,6 +176,8 @@ class GapClosingParameters:
     gap_closing_farthest: float = 16.0
     limb_clutter_at: float = 0.5
     limb_clutter_grades: tuple[float, ...] = (0.1, 0.3)
+    limb_clutter_reach: float = 3.5
+    limb_clutter_bin: float = 0.5
     limb_clutter_smooth: float = 0.7
     limb_clutter_before: float = 10.0
     rejection_least: int = 4

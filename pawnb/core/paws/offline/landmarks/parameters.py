@@ -14,7 +14,8 @@ class LandmarkParameters:
     Parameters
     ----------
     window_share : float
-        Side of a patch as a share of the picture's width: 41 px in the 2019 paper's pictures.
+        Side of a patch as a share of the picture's width: after Haji Maghsoudi et al. 2019, 41 px
+        in its pictures.
     least_window_px : int
         Least side of a patch. Set by hand.
     template_tracking_around : int
@@ -53,7 +54,7 @@ class LandmarkParameters:
     tracks_jerk : float
         Change of acceleration from frame to frame at 200 frames/s, in patches. Set by hand.
     rate_hz : float
-        Frame rate that the change of acceleration is given for. Set by hand.
+        Frame rate that the change of acceleration is given for: a unit, not a choice.
     tracks_tail : float
         Residuals beyond this many standard deviations count less and less. Set by hand.
     by_hand : float

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.parameters import SceneParameters
+from pawnb.core.paws.offline.parameters import RUN, SceneParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.schema import Tracks
 
@@ -23,12 +23,6 @@ GONE_ON_FROM = "gone_on_from_clicks"
 """Attribute of tracks: the clicks of the runs that this one has gone on from, as JSON."""
 MOST_BYTES = 1e9
 """Stacks of one recording are kept up to so much: 2000 frames of a view, or 500 of four."""
-_INSIDE = 0.35
-"""Clicks lie so far within the pictures, in extents: about 1.5 standard deviations of the prior."""
-_EXTENT = 1.75
-"""The extent of the clicks may differ by this factor from that for which pictures were scaled, as
-animals stretch: camel_walk with one of six further frames in which the camel is up to 1.6 times
-shorter had 88 % of marks right with the pictures of the first click, and 89 % with new ones."""
 
 
 @dataclass(frozen=True)
@@ -152,10 +146,13 @@ def fits(stack: BodyStack, annotations: Annotations) -> bool:
         What is placed in its view.
     """
     extent = annotations.extent()
-    if np.isfinite(extent) and not 1 / _EXTENT <= extent / stack.extent_px <= _EXTENT:
+    if (
+        np.isfinite(extent)
+        and not 1 / RUN.kept_extent <= extent / stack.extent_px <= RUN.kept_extent
+    ):
         return False
     size = np.array(stack.grey.shape[:0:-1])
-    inside = _INSIDE * stack.extent_px * stack.scale
+    inside = RUN.kept_inside * stack.extent_px * stack.scale
     # where the picture itself ends there is no more to be seen
     low = np.where(stack.ends[0], 0.0, inside)
     high = np.where(stack.ends[1], size, size - inside)

@@ -17,7 +17,7 @@ import pandas as pd
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.learnt import Earlier, Learnt, learnt_of
-from pawnb.core.paws.offline.parameters import APPEARANCE
+from pawnb.core.paws.offline.parameters import APPEARANCE, RUN
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.weighing import Powers, Weighing
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks
@@ -25,8 +25,6 @@ from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks
 TRUST, MOTION, LEFT_OUT = "appearance_trust", "motion_trust", "left_out_offsets"
 """Attributes of tracks: how far appearance and motion were trusted beside the other kinds of
 evidence, and what clicks that were left out say of each point (:class:`.weighing.Weighing`)."""
-_SURE = 0.9
-"""Other points are certain at both ends of what is tracked again from this confidence on."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +83,7 @@ class Again:
         places: dict[int, dict[int, np.ndarray]] = {}
         ends = {self.frames[0], self.frames[1] - 1} & {*self.placed, *self.closed}
         for t in np.flatnonzero(np.isin(self._frames, list(ends))):
-            sure = np.flatnonzero(chance[t] >= _SURE)
+            sure = np.flatnonzero(chance[t] >= RUN.retracking_sure)
             if len(sure):
                 places[int(self._frames[t]) - first] = {int(p): uv[t, p] for p in sure}
         return Annotations(places)

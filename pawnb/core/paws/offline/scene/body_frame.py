@@ -12,16 +12,7 @@ from pawnb.core.paws.offline.parameters import SceneParameters
 from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
 from pawnb.core.paws.offline.scene.following import follow_animal
 from pawnb.core.paws.offline.scene.foreground import Blob, find_blob
-
-_SIDE = 48
-"""Side of the pictures that are compared."""
-_STEP, _TURN_RAD = 0.03, np.radians(3.0)
-"""The frame is held until the animal has moved so many extents, or turned so far: while it rests,
-its pictures are exactly those of the video and flow does not drift."""
-
-_AWAY, _ALIKE = 0.25, 0.05
-"""Extents by which an animal gets away from where it was, farther than a point is wont to be from
-its click; then a frame that follows may be so much less alike than one that stays."""
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
 @dataclass(frozen=True)
@@ -99,14 +90,14 @@ def find_body_frame(
     alike = {
         kind: _alikeness(blob.difference, clicks, extent, *frame) for kind, frame in tried.items()
     }
-    away = float(np.ptp(way, axis=0).max()) > _AWAY * extent
-    best = "follows" if away and alike["follows"] > alike["stays"] - _ALIKE else "stays"
+    away = float(np.ptp(way, axis=0).max()) > CAMERA.body_away * extent
+    best = "follows" if away and alike["follows"] > alike["stays"] - CAMERA.body_alike else "stays"
     for kind in ("travels", "turns"):
         if kind in alike and alike[kind] > alike[best] + parameters.better:
             best = kind
     centre, angle = tried[best]
     if best != "stays":
-        centre, angle = _held(centre, angle, _STEP * extent)
+        centre, angle = _held(centre, angle, CAMERA.body_step * extent)
     return BodyFrame(centre / scale, angle, best, camera.pans)
 
 
@@ -137,7 +128,7 @@ def _held(centre: np.ndarray, angle: np.ndarray, step: float) -> tuple[np.ndarra
     centre, angle = centre.copy(), angle.copy()
     for t in range(1, len(angle)):
         stays = np.linalg.norm(centre[t] - centre[t - 1]) <= step
-        if stays and abs(angle[t] - angle[t - 1]) <= _TURN_RAD:
+        if stays and abs(angle[t] - angle[t - 1]) <= CAMERA.body_turn_rad:
             centre[t], angle[t] = centre[t - 1], angle[t - 1]
     return centre, angle
 
@@ -151,18 +142,21 @@ def _alikeness(
 ) -> float:
     """Return the mean correlation of the foreground with that of the clicked frames."""
     n = len(difference)
-    y, x = np.mgrid[:_SIDE, :_SIDE] - _SIDE / 2
-    weights = np.exp(-(x**2 + y**2) / (2 * (_SIDE / 3.2) ** 2))
+    y, x = np.mgrid[: CAMERA.body_side_px, : CAMERA.body_side_px] - CAMERA.body_side_px / 2
+    weights = np.exp(-(x**2 + y**2) / (2 * (CAMERA.body_side_px / 3.2) ** 2))
     weights /= weights.sum()
     compared = np.unique(np.linspace(0, n - 1, min(n, 60)).astype(int))
     rotation = BodyFrame(centre, angle, "", pans=False).rotations()
 
     def patch(t: int, offset: np.ndarray) -> np.ndarray:
-        A = rotation[t] * (_SIDE / (1.5 * extent))
+        A = rotation[t] * (CAMERA.body_side_px / (1.5 * extent))
         there = centre[t] + rotation[t].T @ offset
-        to_patch = np.hstack([A, (_SIDE / 2 - A @ there)[:, None]])
+        to_patch = np.hstack([A, (CAMERA.body_side_px / 2 - A @ there)[:, None]])
         found = cv2.warpAffine(
-            difference[t], to_patch, (_SIDE, _SIDE), borderMode=cv2.BORDER_REPLICATE
+            difference[t],
+            to_patch,
+            (CAMERA.body_side_px, CAMERA.body_side_px),
+            borderMode=cv2.BORDER_REPLICATE,
         )
         found = found - (weights * found).sum()
         return found / (np.sqrt((weights * found**2).sum()) + 1e-6)

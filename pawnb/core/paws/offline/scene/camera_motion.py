@@ -8,13 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-_STILL_PX = 0.25
-"""A feature that moves less has not moved."""
-_MOST_STILL = 0.4
-"""A camera of which more features stay, in half of the frames, stands."""
-_TRIED = 40
-"""Frames that are looked at first, evenly spread: a camera that stands in them does so in all."""
-_FEWEST = 12
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
 @dataclass(frozen=True)
@@ -53,8 +47,11 @@ def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
     """
     n = len(pictures)
     to_first = np.tile(np.eye(3), (n, 1, 1))
-    tried = np.linspace(0, n - 2, min(n - 1, _TRIED)).round().astype(int)
-    if n < 2 or np.median([_step(*pictures[t : t + 2])[0] for t in tried]) > _MOST_STILL:
+    tried = np.linspace(0, n - 2, min(n - 1, CAMERA.camera_tried)).round().astype(int)
+    if (
+        n < 2
+        or np.median([_step(*pictures[t : t + 2])[0] for t in tried]) > CAMERA.camera_most_still
+    ):
         return CameraMotion(to_first, pans=False)
     still, shared, steps = [], [], []
     for before, after in itertools.pairwise(pictures):
@@ -62,7 +59,7 @@ def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
         still.append(stays)
         shared.append(share)
         steps.append(step)
-    if np.median(still) > _MOST_STILL or np.median(shared) < 0.5:
+    if np.median(still) > CAMERA.camera_most_still or np.median(shared) < 0.5:
         return CameraMotion(to_first, pans=False)
     for t, step in enumerate(steps):
         to_first[t + 1] = to_first[t] @ step
@@ -73,15 +70,17 @@ def _step(before: np.ndarray, after: np.ndarray) -> tuple[float, float, np.ndarr
     """Return the share of features that stay, that follow one similarity, and this, backwards."""
     nothing = (1.0, 0.0, np.eye(3))
     corners = cv2.goodFeaturesToTrack(before, 200, 0.01, 6)
-    if corners is None or len(corners) < _FEWEST:
+    if corners is None or len(corners) < CAMERA.camera_fewest:
         return nothing
     moved, status, _ = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
         before, after, corners, None, winSize=(15, 15), maxLevel=2
     )
     found = status[:, 0] > 0
-    if found.sum() < _FEWEST:
+    if found.sum() < CAMERA.camera_fewest:
         return nothing
-    stays = float((np.linalg.norm((moved - corners)[found, 0], axis=1) < _STILL_PX).mean())
+    stays = float(
+        (np.linalg.norm((moved - corners)[found, 0], axis=1) < CAMERA.camera_still_px).mean()
+    )
     similarity, inliers = cv2.estimateAffinePartial2D(
         moved[found], corners[found], ransacReprojThreshold=0.7
     )

@@ -6,17 +6,7 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.offline.scene.camera_motion import CameraMotion
-
-_ROWS = 4
-"""Features are followed over so many frames before it is asked whether they moved."""
-_MOVED_PX = 0.2
-"""A feature that moves less in a frame, beside the camera's own motion, is of the scene."""
-_FEWEST = 8
-"""With fewer moving features the animal is taken to stay."""
-_REACH = 0.75
-"""Features are looked for so far from the centre, in extents."""
-_RETURN_PX = 1.0
-"""Forward-backward distance up to which a feature counts."""
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
 def follow_animal(
@@ -52,7 +42,7 @@ def follow_animal(
         step = 1 if end > begin else -1
         t = begin
         while t != end:
-            to = t + step * min(_ROWS, abs(end - t))
+            to = t + step * min(CAMERA.follow_rows, abs(end - t))
             moved = _displacement(pictures, camera, t, to, way[t], extent)
             share = np.arange(1, abs(to - t) + 1) / abs(to - t)
             way[np.arange(t + step, to + step, step)] = way[t] + share[:, None] * moved
@@ -76,23 +66,25 @@ def _displacement(
 
     panned = by_camera(centre) - centre
     mask: np.ndarray = np.zeros(pictures.shape[1:], np.uint8)
-    low = np.maximum(centre - _REACH * extent, 0).astype(int)
-    high = np.maximum(centre + _REACH * extent, 0).astype(int)
+    low = np.maximum(centre - CAMERA.follow_reach * extent, 0).astype(int)
+    high = np.maximum(centre + CAMERA.follow_reach * extent, 0).astype(int)
     mask[low[1] : high[1], low[0] : high[0]] = 1
     corners = cv2.goodFeaturesToTrack(pictures[source], 150, 0.01, 4, mask=mask)
-    if corners is None or len(corners) < _FEWEST:
+    if corners is None or len(corners) < CAMERA.follow_fewest:
         return panned
     here, kept = corners, np.ones(len(corners), bool)
     step = 1 if target > source else -1
     for t in range(source, target, step):
         there, found, _ = _flow(pictures[t], pictures[t + step], here)
         back, returned, _ = _flow(pictures[t + step], pictures[t], there)
-        near = np.linalg.norm((back - here)[:, 0], axis=1) < _RETURN_PX
+        near = np.linalg.norm((back - here)[:, 0], axis=1) < CAMERA.follow_return_px
         kept &= (found[:, 0] > 0) & (returned[:, 0] > 0) & near
         here = there
     own = here[:, 0] - by_camera(corners[:, 0])
-    moving = kept & (np.linalg.norm(own, axis=1) > _MOVED_PX * abs(target - source))
-    return panned + np.median(own[moving], axis=0) if moving.sum() >= _FEWEST else panned
+    moving = kept & (np.linalg.norm(own, axis=1) > CAMERA.follow_moved_px * abs(target - source))
+    return (
+        panned + np.median(own[moving], axis=0) if moving.sum() >= CAMERA.follow_fewest else panned
+    )
 
 
 def _flow(

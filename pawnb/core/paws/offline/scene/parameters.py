@@ -1,7 +1,8 @@
-"""Parameters of the stage ``movement``, each with unit and evidence."""
+"""Parameters of the stages ``movement`` and ``registration``, each with unit and evidence."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from pawnb.core.parameters import in_force
@@ -64,4 +65,81 @@ class MovementParameters:
 
 
 MOVEMENT = in_force("movement", MovementParameters())
+"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
+
+
+@dataclass(frozen=True)
+class RegistrationParameters:
+    """How pictures are brought into the frame of a body that moves before a camera that may move.
+
+    Parameters
+    ----------
+    body_side_px : int
+        Side of the pictures of the body that are compared, px. Set by hand.
+    body_step : float
+        The body's frame is held until the animal has moved so many extents: while it rests, its
+        pictures are exactly those of the video and flow does not drift. Set by hand.
+    body_turn_rad : float
+        Or until it has turned so far, rad. Set by hand.
+    body_away : float
+        Extents by which an animal gets away from where it was, farther than a point is wont to be
+        from its click. Set by hand.
+    body_alike : float
+        Then a frame that follows may be so much less alike (correlation) than one that stays. Set
+        by hand.
+    camera_still_px : float
+        A feature that moves less, px, has not moved. Set by hand.
+    camera_most_still : float
+        A camera of which more features stay, in half of the frames, stands. Set by hand.
+    camera_tried : int
+        Frames that are looked at first, evenly spread: a camera that stands in them does so in all.
+        Set by hand.
+    camera_fewest : int
+        Features without which nothing is said of the camera. Set by hand.
+    follow_rows : int
+        Frames over which features are followed before it is asked whether they moved. Set by hand.
+    follow_moved_px : float
+        A feature that moves less in a frame, px, beside the camera's own motion, is of the scene.
+        Set by hand.
+    follow_fewest : int
+        With fewer moving features the animal is taken to stay. Set by hand.
+    follow_reach : float
+        Features are looked for so far from the centre, in extents. Set by hand.
+    follow_return_px : float
+        Forward-backward distance, px, up to which a feature counts. Set by hand.
+    unknown_extent : float
+        Extent where no frame has two points, in shorter sides of the picture. Set by hand.
+    colour_from : float
+        Mean distance of red and blue, grey values, from which a view is in colour. Set by hand.
+    shrunk : float
+        Pictures are shrunk before they are turned where the working scale is below this. Set by
+        hand.
+    flow_stride : int
+        Patches of flow lie so far apart, px at half the working size, and are not refined between
+        them. Measured: where pictures move they differ from those that flow carries by 5.6, 9.3 and
+        6.3 grey values (rendered mouse, horse, camel) in 5.6 ms; with a stride of 3 and refinement
+        by 5.6, 9.5 and 6.1 in 22 ms, and at a quarter of the size, in 5.6 ms, by 7.2, 10.9 and 7.1.
+    """
+
+    body_side_px: int = 48
+    body_step: float = 0.03
+    body_turn_rad: float = math.radians(3.0)
+    body_away: float = 0.25
+    body_alike: float = 0.05
+    camera_still_px: float = 0.25
+    camera_most_still: float = 0.4
+    camera_tried: int = 40
+    camera_fewest: int = 12
+    follow_rows: int = 4
+    follow_moved_px: float = 0.2
+    follow_fewest: int = 8
+    follow_reach: float = 0.75
+    follow_return_px: float = 1.0
+    unknown_extent: float = 0.4
+    colour_from: float = 2.0
+    shrunk: float = 0.75
+    flow_stride: int = 5
+
+
+CAMERA = in_force("registration", RegistrationParameters())
 """The values in force; see :func:`pawnb.core.parameters.in_force`."""

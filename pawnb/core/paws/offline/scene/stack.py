@@ -5,31 +5,21 @@ from __future__ import annotations
 import dataclasses
 import itertools
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
 from pawnb.core.paws.offline.scene.body_frame import BodyFrame, find_body_frame
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 
-_UNKNOWN_EXTENT = 0.4
-"""Extent where no frame has two points, in shorter sides of the picture."""
-_COLOUR = 2.0
-"""Mean distance of red and blue from which a view is in colour."""
-_SHRUNK = 0.75
-"""Pictures are shrunk before they are turned where the working scale is below this."""
 _KEPT_BYTES = 2e9
 """Pictures are kept until the body's frame is known, up to so much: those of 1000 frames of four
 colour views of 2048 x 700 px in which the animal is 700 px long."""
-_STRIDE = 5
-"""Patches of flow lie so far apart, px at half the working size, and are not refined between them.
-Where pictures move they differ from those that flow carries by 5.6, 9.3 and 6.3 grey values
-(rendered mouse, horse, camel) in 5.6 ms; with a stride of 3 and refinement by 5.6, 9.5 and 6.1 in
-22 ms, and at a quarter of the size, in 5.6 ms, by 7.2, 10.9 and 7.1."""
 _NOTHING = np.empty((0, 0), np.uint8)
 
 
@@ -155,7 +145,7 @@ def read_stacks(
     once = n * sum(each) <= _KEPT_BYTES
 
     def read(take: Callable[[_Crops, np.ndarray], None], before: int, each: int) -> bool:
-        with ThreadPoolExecutor() as pool:
+        with Threads() as pool:
             for row, (_, pictures) in enumerate(views.frames(*frames)):
                 images = [pictures[name].image() for name in names]  # type: ignore[attr-defined]
                 list(pool.map(take, crops, images))
@@ -179,13 +169,13 @@ class _Crops:
         self, annotations: Annotations, size: tuple[int, int], parameters: SceneParameters
     ) -> None:
         extent = annotations.extent()
-        self.extent_px = extent if extent > 0 else _UNKNOWN_EXTENT * min(size)
+        self.extent_px = extent if extent > 0 else CAMERA.unknown_extent * min(size)
         self.clicks = {
             row: np.array(list(here.values())) for row, here in sorted(annotations.places.items())
         }
         self.view_size, self.parameters = size, parameters
         self.scale = min(parameters.extent / self.extent_px, parameters.largest_enlargement)
-        self.shrinks = self.scale < _SHRUNK
+        self.shrinks = self.scale < CAMERA.shrunk
         self.small_scale = min(1.0, parameters.overview_px / max(size))
         self.small: list[np.ndarray] = []
         self.kept: list[np.ndarray] = []
@@ -296,7 +286,7 @@ def _grey(picture: np.ndarray) -> np.ndarray:
 
 def _coloured(picture: np.ndarray) -> bool:
     """Tell whether a picture has any colour."""
-    return float(np.abs(picture[..., 0].astype(int) - picture[..., 2]).mean()) > _COLOUR
+    return float(np.abs(picture[..., 0].astype(int) - picture[..., 2]).mean()) > CAMERA.colour_from
 
 
 def _flows(grey: np.ndarray, spacing: int) -> tuple[np.ndarray, np.ndarray]:
@@ -307,12 +297,12 @@ def _flows(grey: np.ndarray, spacing: int) -> tuple[np.ndarray, np.ndarray]:
     def between(pair: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
         flow.setFinestScale(0)
-        flow.setPatchStride(_STRIDE)
+        flow.setPatchStride(CAMERA.flow_stride)
         flow.setVariationalRefinementIterations(0)
         found = flow.calc(*pair, None)  # type: ignore[call-overload]
         return cv2.resize(found, size, interpolation=cv2.INTER_AREA) * (2 / spacing)
 
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         forward = list(pool.map(between, itertools.pairwise(halves)))
         backward = list(pool.map(between, itertools.pairwise(halves[::-1])))[::-1]
     empty = np.zeros((0, size[1], size[0], 2), np.float32)

@@ -25,11 +25,11 @@ class SmoothingParameters:
         Position, speed and acceleration are estimated from so many frames at least. Set by hand.
     refinement_near, near_open : float
         A detection may lie so many paw widths from where its point must be, farther in open frames,
-        where that is known from what lies far before and after, but
+        where that is known from what lies far before and after. Set by hand.
     refinement_against : float
-        there by this much less for each unit of what speaks against it: what lies where a point is
-        occluded is mostly a part of a limb. A paw that lifts off, dim and bent, looks poor as well,
-        so what looks poor is not left out altogether. Set by hand.
+        In open frames it may lie this much less far away for each unit of what speaks against it:
+        what lies where a point is occluded is mostly a part of a limb. A paw that lifts off, dim
+        and bent, looks poor as well, so what looks poor is not left out altogether. Set by hand.
     refinement_rounds : int
         Most times that positions are fitted and measurements weighed anew. Set by hand.
     refinement_bridged : int

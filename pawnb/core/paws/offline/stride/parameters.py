@@ -34,27 +34,29 @@ class StrideParameters:
         A stride this many times as long as the usual one, or as short, teaches nothing: a stance
         was missed. Set by hand.
     duty_factor_covered : float
-        Share of the time, of all points, that their usual strides make up at least: in rendered
-        scenes 0.42 to 0.92. In a clip of a mouse whose paws are seen to stand for a few frames here
-        and there it is 0.15, and what such strides say of lift-offs is wrong.
+        Share of the time, of all points, that their usual strides make up at least. Measured: in
+        rendered scenes 0.42 to 0.92. In a clip of a mouse whose paws are seen to stand for a few
+        frames here and there it is 0.15, and what such strides say of lift-offs is wrong.
     duty_factor_finest : float
         Standard deviation of the share from stride to stride. What lift-offs that are estimated
         wrongly make of it would be far more. Set by hand.
     like_others : float
         Standard deviation of how much front and hind paws differ in it. Set by hand.
     duty_factor_mad : float
-        Standard deviation in median absolute deviations. Set by hand.
+        Standard deviation of a normal distribution in median absolute deviations: mathematics, one
+        over the 3/4 quantile of the standard normal distribution, rounded.
     of_median : float
-        Standard error of a median in that of a mean. Set by hand.
+        Standard error of a median in that of a mean, of a normal distribution: mathematics, the
+        square root of half of pi, rounded.
     duty_factor_hop : float
         A swing shorter than so much of the usual one was none. Set by hand.
     stance_half : int
         Frames before and after over which a speed is taken. Set by hand.
     with_ground : float
-        A point goes with the ground if its speed differs by less than this share of the ground's,
-        or
+        A point goes with the ground if its speed differs by less than this share of the ground's.
+        Set by hand.
     stance_slow : float
-        by less than so many paw widths a frame. Set by hand.
+        Or if it differs by less than so many paw widths a frame. Set by hand.
     stance_off : float
         A point has left the ground if it is so many paw widths from where it stood. Set by hand.
     stance_least : int
@@ -70,7 +72,7 @@ class StrideParameters:
         Largest cost of lifting off at another time than is due. Set by hand.
     half_frame : float
         A paw lifts off so many frames after the last one in which it stands, and lands as long
-        before the first, on average: half the time between two frames.
+        before the first, on average: mathematics, half the time between two frames.
     still_near : float
         A stance seems to last so many frames longer at either end: what leaves the ground is still
         near it. Set by hand.
@@ -88,11 +90,11 @@ class StrideParameters:
         Squared standard deviations beyond which a speed backwards costs no more. Set by hand.
     swing_shape, swing_shape_sd : tuple of float
         Exponents a and b of a swing's height before any swing is seen, and their standard
-        deviations. Set by hand: front paws of mice are highest early on a belt, but late where they
-        reach out (a of 2 to 3 in the LocoMouse data).
+        deviations. Set by hand; measured: front paws of mice are highest early on a belt, but late
+        where they reach out (a of 2 to 3 in the LocoMouse data).
     landing_speed, landing_speed_sd : float
-        Speed at landing in the mean speed of the swing, and its standard deviation. Set by hand:
-        LocoMouse's mice land with 0.3 to 0.55.
+        Speed at landing in the mean speed of the swing, and its standard deviation. Set by hand;
+        measured: LocoMouse's mice land with 0.3 to 0.55.
     swing_height_sd : float
         Standard deviation of heights, in their median. Set by hand.
     swing_shortest : float
@@ -104,9 +106,9 @@ class StrideParameters:
     swing_tail : float
         Places farther off than so many standard deviations count less and less. Set by hand.
     swing_least : int
-        Swings of a kind from which its arc is learnt, and
+        Swings of a kind from which its arc is learnt. Set by hand.
     least_step : float
-        paw widths that a swing goes forward. Set by hand.
+        Paw widths that a swing goes forward at least. Set by hand.
     swing_odd : float
         Swings so many times as long as the usual one, or as short, are none. Set by hand.
     swing_margin : int
@@ -134,8 +136,8 @@ class StrideParameters:
         and where it is not seen. Set by hand.
     swing_detection_anywhere : float
         Where nothing shows when a stance ends, it may be anywhere in the frames between: its
-        standard deviation is so much of their number, that of what is equally likely throughout.
-        Set by hand.
+        standard deviation is so much of their number, that of what is equally likely throughout:
+        mathematics, one over the square root of 12, rounded.
     swing_detection_around : int
         Frames about a stance's end that must be seen to tell it. Set by hand.
     swing_detection_spread : float

@@ -19,8 +19,8 @@ from pawnb.core.paws.offline.annotations import annotations_of_view
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.detection.paw_appearance import (
-    LEAST_THICKNESS,
     clicked_lessons,
     tracked_lessons,
     with_paw_looks,
@@ -114,7 +114,7 @@ def track_by_strides(
         marked = asked.of(marks)
         check_landmarks(marked.layout, marked.anchors)
         follower = TemplateTracker(marked.layout, marked.anchors)
-    base = scene_of_paws(views, paws, settings, least_paw_width=LEAST_THICKNESS)
+    base = scene_of_paws(views, paws, settings, least_paw_width=LEARNT.least_thickness)
     placed = {**paws.anchors, **paws.clicks}
     inside = {t: here for t, here in placed.items() if t < task.frames[1]}
     lessons = told = clicked_lessons(base, paws.layout, inside)

@@ -14,8 +14,8 @@ class TreadmillParameters:
     Parameters
     ----------
     learnt_appearance_rounds : int
-        Of 725 visible labels of a grey film in H.264 of crf 28 (half scale, seed 31) 16 and 9 were
-        wrong after one and two.
+        Times that the look is learnt. Measured: of 725 visible labels of a grey film in H.264 of
+        crf 28 (half scale, seed 31) 16 and 9 were wrong after one and two.
     learnt_appearance_predicted : float
         How much like a paw a place is that another program surely predicts: clicks have 1. Set by
         hand.
@@ -27,9 +27,9 @@ class TreadmillParameters:
         Time, s, after lift-off in which a paw goes on as it began. Set by hand.
     pipeline_stated : float
         Standard deviations of certain places are stated so much smaller than what is reckoned with
-        while neighbouring frames may still err alike: so 93 to 97 % of the truth lie within 95 %
-        limits, occluded places among them, in rendered scenes. Cameras on one side tell depth less
-        well than they reckon.
+        while neighbouring frames may still err alike. Measured: so 93 to 97 % of the truth lie
+        within 95 % limits, occluded places among them, in rendered scenes. Cameras on one side tell
+        depth less well than they reckon.
     one_more : int
         Looks taken besides where tracks still change: a paw was decided on while another, for which
         it was mistaken, was not yet where it is now. Set by hand.
@@ -43,9 +43,9 @@ class TreadmillParameters:
     least_seen_aside : float
         The same where depth tells that they are on the other side. Set by hand.
     tracker_mistaken : float
-        Share of what is about the animal that passes for paws from which on a person is warned: 0.2
-        to 6 % in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as the
-        paws: a third of these is lost and most others are poor.
+        Share of what is about the animal that passes for paws from which on a person is warned.
+        Measured: 0.2 to 6 % in rendered scenes that are tracked well, 9 to 23 % where belts are as
+        brown as the paws: a third of these is lost and most others are poor.
     """
 
     learnt_appearance_rounds: int = 2

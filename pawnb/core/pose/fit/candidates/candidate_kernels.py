@@ -28,6 +28,7 @@ def leg_footprint(
     image_evidence: ImageEvidence,
     blur: float,
     soft: float,
+    least: float,
     base: np.ndarray,
     value: np.ndarray,
     owner: np.ndarray,
@@ -36,8 +37,9 @@ def leg_footprint(
 ) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the pixels a leg covers, how dark it paints them, and what that is worth.
 
-    ``base`` is the painted body; the worth is the cost of the picture with body and leg less
-    that with the body alone. Only the part of the canvas about the leg is painted and looked at.
+    Pixels count that it makes darker by ``least``. ``base`` is the painted body; the worth is the
+    cost of the picture with body and leg less that with the body alone. Only the part of the
+    canvas about the leg is painted and looked at.
     """
     leg_chain(layout, pose, leg, joints)
     height, width = value.shape
@@ -58,13 +60,13 @@ def leg_footprint(
     n = 0
     for v in range(top, bottom):
         for u in range(left, right):
-            if value[v, u] > base[v, u] + 0.02 and image_evidence.weight[v, u] > 0.0:
+            if value[v, u] > base[v, u] + least and image_evidence.weight[v, u] > 0.0:
                 n += 1
     pixels, darks = np.empty(n, np.int64), np.empty(n)
     n, cost = 0, 0.0
     for v in range(top, bottom):
         for u in range(left, right):
-            if value[v, u] > base[v, u] + 0.02 and image_evidence.weight[v, u] > 0.0:
+            if value[v, u] > base[v, u] + least and image_evidence.weight[v, u] > 0.0:
                 pixels[n], darks[n] = v * width + u, value[v, u]
                 seen = image_evidence.seen[v, u]
                 change = misfit(value[v, u] - seen, soft) - misfit(base[v, u] - seen, soft)
@@ -151,15 +153,17 @@ def leg_support(
     leg: int,
     image_evidence: ImageEvidence,
     blur: float,
-    share: float,
+    limits: tuple[float, float, float],
     body: np.ndarray,
 ) -> tuple[float, float]:
     """Return how dark a leg's axis is relative to what is expected: whole leg, outer part.
 
-    ``share`` is the part of the leg, from the tip inwards, that counts as outer. Places outside
-    the crop do not count, nor do those where the painted ``body`` is as dark as the leg: they
-    look the same without it. Where nothing counts, the answer is NaN.
+    ``limits`` are the part of the leg, from the tip inwards, that counts as outer; the least
+    darkness that is expected; and the share of that from which on the painted ``body`` looks the
+    same without the leg: such places do not count, nor do those outside the crop. Where nothing
+    counts, the answer is NaN.
     """
+    share, least_dark, as_dark = limits
     height, width = image_evidence.seen.shape
     n = layout.n_segments[leg]
     whole = 0.0
@@ -181,8 +185,8 @@ def leg_support(
                     layout.radius[leg, s + 1] - layout.radius[leg, s]
                 )
                 # what is thin and what is near the tip is blurred
-                expected = max(dark * min(1.0, radius) * step((whole - at) / blur), 0.05)
-                if body[v, u] > 0.7 * expected or image_evidence.weight[v, u] == 0.0:
+                expected = max(dark * min(1.0, radius) * step((whole - at) / blur), least_dark)
+                if body[v, u] > as_dark * expected or image_evidence.weight[v, u] == 0.0:
                     continue
                 here = min(max(image_evidence.seen[v, u] / expected, 0.0), 1.0)
                 found += here * piece / steps

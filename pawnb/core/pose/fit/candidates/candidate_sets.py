@@ -11,9 +11,6 @@ import numpy as np
 from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 
-SAME_PX = 2.5
-"""Poses of a leg nowhere further apart are the same minimum, working px. Set by hand."""
-
 
 @dataclass
 class LegCandidates:

@@ -12,8 +12,13 @@ from pawnb.core.pose.fit.candidates.candidate_kernels import (
     leg_footprint,
     shared_cost,
 )
-from pawnb.core.pose.fit.candidates.candidate_sets import SAME_PX, LegCandidates
-from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart, chains_cross, find_limbs
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
+from pawnb.core.pose.fit.candidates.limb_kernels import (
+    LimbSearch,
+    chains_apart,
+    chains_cross,
+    find_limbs,
+)
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
@@ -72,9 +77,9 @@ def limb_candidates(
             open_to,
             image_evidence.box,
             prior,
-            CANDIDATES.leg_candidates_beam,
+            limb_search(),
             most,
-            2 * SAME_PX,
+            2 * CANDIDATES.same_px,
         )
         found.extend(numbers)
     found.extend(fitter.usual_poses[leg])
@@ -82,6 +87,20 @@ def limb_candidates(
         fit_leg(fitter, pose, leg, guess=guess, image_evidence=image_evidence, prior=prior)
         for guess in found
     ]
+
+
+def limb_search() -> LimbSearch:
+    """Return how limbs are searched for, by the parameters that are in force."""
+    return LimbSearch(
+        CANDIDATES.leg_candidates_beam,
+        np.arange(CANDIDATES.limb_turns) / (CANDIDATES.limb_turns - 1),
+        np.array(CANDIDATES.limb_shorter),
+        -CANDIDATES.limb_shorter_cost,
+        CANDIDATES.limb_hidden,
+        CANDIDATES.limb_step_px,
+        CANDIDATES.limb_least_dark,
+        CANDIDATES.limb_direction_rad,
+    )
 
 
 def fit_leg(
@@ -199,7 +218,7 @@ def add_candidates(
         for numbers in more:
             joints = _joints(fitter, choices.pose, leg, numbers)
             others = (choices.joints[leg][0], *choices.joints[leg][before:])
-            if all(chains_apart(joints, known, n) > SAME_PX for known in others):
+            if all(chains_apart(joints, known, n) > CANDIDATES.same_px for known in others):
                 choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
                 choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
     if choices.is_open:
@@ -225,6 +244,7 @@ def _weigh(
                 image_evidence,
                 fitter.blur,
                 soft,
+                CANDIDATES.least_shown,
                 base,
                 value,
                 owner,
@@ -301,7 +321,7 @@ def _distinct(joints: FloatArray, cost: FloatArray, n: int) -> list[int]:
     """Return the first candidate of a leg and the cheapest of those on each other limb."""
     kept = [0]
     for i in np.argsort(cost[1:], kind="stable") + 1:
-        if all(chains_apart(joints[i], joints[k], n) > SAME_PX for k in kept):
+        if all(chains_apart(joints[i], joints[k], n) > CANDIDATES.same_px for k in kept):
             kept.append(int(i))
     return kept
 

@@ -7,6 +7,7 @@ foreshortened in all ways that anatomy allows, and those that lie on the darkest
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,16 +16,32 @@ from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
 from pawnb.core.sorting_kernels import ascending
 
-N_TURNS = 17
-"""Turns of a link that are tried. Set by hand."""
-SHORTER = (-0.4, -0.2, 0.0, 0.2, 0.4)
-"""Logarithms of its foreshortening that are tried. Set by hand."""
-_HIDDEN = 0.4
-"""What counts as seen of a leg where nothing can be seen, as a share of its darkness: a little less
-than half, so that no leg is hidden that could as well be seen. Set by hand."""
-SHORTER_COST = 6.0
-"""Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised. Set by
-hand."""
+
+class LimbSearch(NamedTuple):
+    """How limbs are searched for: the ``limb_...`` of the stage, where unit and evidence stand.
+
+    Parameters
+    ----------
+    beam : int
+        Chains kept after each link.
+    turns : ndarray, shape (m,)
+        Turns of a link that are tried, as shares of its range.
+    shorter : ndarray, shape (k,)
+        Logarithms of a link's foreshortening that are tried.
+    shorter_worth : float
+        Minus the cost of the square of that.
+    hidden, step_px, least_dark, direction_rad : float
+        As of the stage.
+    """
+
+    beam: int
+    turns: np.ndarray
+    shorter: np.ndarray
+    shorter_worth: float
+    hidden: float
+    step_px: float
+    least_dark: float
+    direction_rad: float
 
 
 @compiled_inside
@@ -42,7 +59,7 @@ def sample(seen: np.ndarray, u: float, v: float) -> float:
 @compiled_inside
 def follow_link(
     layout: Layout, leg: int, link: int, start: np.ndarray, forwards: float, shorter: float,
-    heading: float, seen: np.ndarray, box: np.ndarray, end: np.ndarray,
+    heading: float, seen: np.ndarray, box: np.ndarray, search: LimbSearch, end: np.ndarray,
 ) -> float:  # fmt: skip
     """Return the support of one link laid from ``start``, px; write where it ends."""
     u, v, total = start[0], start[1], 0.0
@@ -51,13 +68,15 @@ def follow_link(
             continue
         direction = heading + layout.side[leg] * (math.pi / 2 - forwards - layout.turn[leg, s])
         length = layout.length[leg, s] * math.exp(shorter)
-        n = max(2, int(length / 1.5))
+        n = max(2, int(length / search.step_px))
         du, dv = length * math.cos(direction), length * math.sin(direction)
         for i in range(n):
             t = (i + 0.5) / n
             dark = layout.dark[leg, s] + (layout.dark[leg, s + 1] - layout.dark[leg, s]) * t
-            here = sample(seen, u + t * du - box[0], v + t * dv - box[1]) / max(dark, 0.1)
-            share = _HIDDEN if math.isnan(here) else min(max(here, 0.0), 1.0)
+            here = sample(seen, u + t * du - box[0], v + t * dv - box[1]) / max(
+                dark, search.least_dark
+            )
+            share = search.hidden if math.isnan(here) else min(max(here, 0.0), 1.0)
             total += (2.0 * share - 1.0) * length / n
         u, v = u + du, v + dv
     end[0], end[1] = u, v
@@ -67,7 +86,7 @@ def follow_link(
 @compiled_loosely
 def find_limbs(
     layout: Layout, pose: np.ndarray, leg: int, seen: np.ndarray, box: np.ndarray,
-    prior: Prior, width: int, most: int, apart: float,
+    prior: Prior, search: LimbSearch, most: int, apart: float,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return ways to lay a leg on dark pixels, best first.
 
@@ -81,8 +100,8 @@ def find_limbs(
         Darkness, slightly blurred, NaN where nothing can be seen; left and top of the crop.
     prior : Prior
         Middles, spread and limits of the leg's angles and foreshortening.
-    width : int
-        Chains kept after each link.
+    search : LimbSearch
+        How limbs are searched for.
     most : int
         Chains returned at most.
     apart : float
@@ -95,7 +114,7 @@ def find_limbs(
     support : ndarray, shape (found,)
         Length on dark pixels less that on light ones and the prior's share, px.
     """
-    n_links, first = layout.n_links[leg], layout.first[leg]
+    n_links, first, width = layout.n_links[leg], layout.first[leg], search.beam
     beam = np.zeros((width, 2 * n_links))
     places = np.zeros((width, n_links + 1, 2))
     forwards, support = np.zeros(width), np.zeros(width)
@@ -104,30 +123,30 @@ def find_limbs(
     places[0, 0, 0] = pose[0] + f * cos - r * sin
     places[0, 0, 1] = pose[1] + f * sin + r * cos
     filled = 1
-    tries = width * N_TURNS * len(SHORTER)
+    tries = width * len(search.turns) * len(search.shorter)
     ends, scores = np.zeros((tries, 2)), np.zeros(tries)
     source, turns, short = np.zeros(tries, np.int64), np.zeros(tries), np.zeros(tries)
     for k in range(n_links):
         a, q = first + k, first + n_links + k
         n = 0
         for b in range(filled):
-            for i in range(N_TURNS):
-                turn = prior.low[a] + (prior.high[a] - prior.low[a]) * i / (N_TURNS - 1)
-                for shorter in SHORTER:
+            for i in range(len(search.turns)):
+                turn = prior.low[a] + (prior.high[a] - prior.low[a]) * search.turns[i]
+                for shorter in search.shorter:
                     factor = prior.middle[q] + shorter
                     if factor > max(prior.high[q], prior.middle[q]):
                         continue
                     gain = follow_link(
                         layout, leg, k, places[b, k], forwards[b] + turn, factor, pose[2], seen,
-                        box, ends[n],
+                        box, search, ends[n],
                     )  # fmt: skip
-                    cost = (turn - prior.middle[a]) ** 2 * prior.precision[a]
-                    cost += shorter**2 * SHORTER_COST
-                    scores[n] = support[b] + gain - cost
+                    strange = (turn - prior.middle[a]) ** 2 * prior.precision[a]
+                    worth = gain - strange + shorter**2 * search.shorter_worth
+                    scores[n] = worth + support[b]
                     source[n], turns[n], short[n] = b, turn, factor
                     n += 1
         kept, filled_next = _unlike(
-            scores[:n], ends, forwards, source, turns, width, apart, k == n_links - 1
+            scores[:n], ends, forwards, source, turns, search, apart, k == n_links - 1
         )
         old_beam, old_places, old_forwards = beam.copy(), places.copy(), forwards.copy()
         for j in range(filled_next):
@@ -149,10 +168,10 @@ def find_limbs(
 @compiled_loosely
 def _unlike(
     scores: np.ndarray, ends: np.ndarray, forwards: np.ndarray, source: np.ndarray,
-    turns: np.ndarray, width: int, apart: float, is_last: bool,
+    turns: np.ndarray, search: LimbSearch, apart: float, is_last: bool,
 ) -> tuple[np.ndarray, int]:  # fmt: skip
     """Return the best tries that end apart, or at the same place from another direction."""
-    kept, filled = np.zeros(width, np.int64), 0
+    kept, filled = np.zeros(search.beam, np.int64), 0
     for i in ascending(-scores):
         same = False
         for j in range(filled):
@@ -160,11 +179,11 @@ def _unlike(
             du, dv = ends[i, 0] - ends[other, 0], ends[i, 1] - ends[other, 1]
             near = du * du + dv * dv < (0.5 * apart) ** 2
             angle = forwards[source[i]] + turns[i] - forwards[source[other]] - turns[other]
-            same = same or (near and (abs(angle) < 0.35 or is_last))
+            same = same or (near and (abs(angle) < search.direction_rad or is_last))
         if not same:
             kept[filled] = i
             filled += 1
-            if filled == width:
+            if filled == search.beam:
                 break
     return kept, filled
 

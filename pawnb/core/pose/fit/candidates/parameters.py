@@ -20,6 +20,31 @@ class CandidateParameters:
         Set by hand.
     leg_candidates_beam : int
         Part poses of a leg that are kept while it is built from the body outwards. Set by hand.
+    limb_turns : int
+        Turns of a link that are tried, evenly over its range. Set by hand.
+    limb_shorter : tuple of float
+        Logarithms of a link's foreshortening that are tried. Set by hand.
+    limb_shorter_cost : float
+        Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised.
+        Set by hand.
+    limb_hidden : float
+        What counts as seen of a leg where nothing can be seen, as a share of its darkness: a little
+        less than half, so that no leg is hidden that could as well be seen. Set by hand.
+    limb_step_px : float
+        Distance of the places along a link that are looked at, working px. Set by hand.
+    limb_least_dark : float
+        Least darkness that is expected of a link. Set by hand.
+    limb_direction_rad : float
+        Chains that end at the same place count as others where they come from directions further
+        apart, rad. Set by hand.
+    same_px : float
+        Poses of a leg that are nowhere further apart are one and the same, working px. Set by hand.
+    least_shown : float
+        Darkness by which a leg must be darker than the body under it for a pixel to show it. Set by
+        hand.
+    fastest_back : float
+        Most that an angle, rad, or the logarithm of a length may change from frame to frame on the
+        way back. Set by hand.
     leg_candidates_neutral : float
         What a leg sees under others, as a share of its darkness: a little less than half, so that
         no leg is laid across the body where it could as well lie beside it. Set by hand.
@@ -46,6 +71,16 @@ class CandidateParameters:
     crossed_legs_rounds: int = 12
     crossed_legs_better: float = 0.5
     leg_candidates_beam: int = 24
+    limb_turns: int = 17
+    limb_shorter: tuple[float, ...] = (-0.4, -0.2, 0.0, 0.2, 0.4)
+    limb_shorter_cost: float = 6.0
+    limb_hidden: float = 0.4
+    limb_step_px: float = 1.5
+    limb_least_dark: float = 0.1
+    limb_direction_rad: float = 0.35
+    same_px: float = 2.5
+    least_shown: float = 0.02
+    fastest_back: float = 0.2
     leg_candidates_neutral: float = 0.4
     beside_px: float = 4.0
     leg_candidates_crossed: float = 4.0

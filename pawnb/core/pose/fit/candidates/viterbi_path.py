@@ -144,7 +144,7 @@ def _trace(follower: Follower, leg: int, t: int, numbers: FloatArray) -> None:
         )
         if len(choices.legs[leg]) == count:
             break
-        velocity = np.clip(found - numbers, -0.2, 0.2)
+        velocity = np.clip(found - numbers, -CANDIDATES.fastest_back, CANDIDATES.fastest_back)
         numbers = found
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look_equations
-from pawnb.core.pose.fit.learning.body_equations import LEAST_DARK, MOST_DARK, BodyEquations
+from pawnb.core.pose.fit.learning.body_equations import BodyEquations
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.parallel import threaded
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
@@ -281,11 +281,11 @@ def learn_legs(
         stiff = share * _look_prior(n)
         left = matrix[leg][np.ix_(keep, keep)] + stiff
         move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
-        now += np.clip(move, -0.4, 0.4)
+        now += np.clip(move, -LEARNING.most_change, LEARNING.most_change)
         most = np.maximum(LEARNING.most_radius * first.radius[leg, :n], LEARNING.least_radius_px)
         radius[leg, :n] = np.clip(np.exp(now[:n]), LEARNING.least_radius_px, most)
-        least = max(LEAST_DARK, LEARNING.least_of_darkest * float(now[n:].max()))
-        dark[leg, :n] = np.clip(now[n:], least, MOST_DARK)
+        least = max(LEARNING.least_dark, LEARNING.least_of_darkest * float(now[n:].max()))
+        dark[leg, :n] = np.clip(now[n:], least, LEARNING.most_dark)
     return layout._replace(radius=radius, dark=dark)
 
 

@@ -8,9 +8,6 @@ from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.layout import N_BODY, meeting
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 
-LEAST_DARK, MOST_DARK = 0.08, 1.1
-"""Least and most darkness of a part of the body, in that of what is wholly dark. Set by hand."""
-
 
 class BodyEquations:
     """The equations of one step of learning the body, summed over frames.
@@ -96,9 +93,9 @@ class BodyEquations:
         ellipse[:, 0] = known[:, 0] * np.exp(longer) - self.meets * overlap
         ellipse[:, 2] = known[:, 2] * np.exp(longer)
         ellipse[:, 3] = known[:, 3] * np.exp(wider)
-        ellipse[:, 4] = np.clip(known[:, 4] + darker, LEAST_DARK, MOST_DARK)
+        ellipse[:, 4] = np.clip(known[:, 4] + darker, LEARNING.least_dark, LEARNING.most_dark)
         ellipse[:, 5] = np.clip(egg, -LEARNING.most_egg, LEARNING.most_egg)
-        ellipse[:, 6] = np.clip(ellipse[:, 4] + middle, LEAST_DARK, MOST_DARK)
+        ellipse[:, 6] = np.clip(ellipse[:, 4] + middle, LEARNING.least_dark, LEARNING.most_dark)
         if self.meets.any():  # what joins two parts is no wider than either
             ellipse[-1, 3] = min(ellipse[-1, 3], ellipse[self.meets != 0.0, 3].min())
         return ellipse, [-own - follow @ step for follow, own in self.follow]

@@ -33,8 +33,8 @@ def find_leg_clutter(
     Returns
     -------
     ndarray of bool, shape (legs, segments, along, across), or None
-        Cells of every segment; those across are half a working pixel wide, the middle one lies on
-        the axis. None of too few frames.
+        Cells of every segment; those across are half a working pixel wide by default, the middle
+        one lies on the axis. None of too few frames.
     """
     if len(frames) < LEARNING.leg_clutter_few:
         return None
@@ -57,9 +57,10 @@ def _differences(
     layout = fitter.layout
     canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
     paint(layout, pose, fitter.blur, image_evidence.box, *canvas)
-    across = 4 * int(np.ceil(layout.radius.max() + fitter.blur)) + 1
+    in_px = LEARNING.leg_clutter_in_px
+    across = 2 * in_px * int(np.ceil(layout.radius.max() + fitter.blur)) + 1
     total, count = np.zeros((2, *layout.length.shape, LEARNING.leg_clutter_along, across))
-    add_differences(canvas, image_evidence.seen, image_evidence.box, total, count)
+    add_differences(canvas, image_evidence.seen, image_evidence.box, in_px, total, count)
     return np.where(count > 0.0, total, np.nan) / np.maximum(count, 1.0)
 
 
@@ -87,5 +88,6 @@ def without_leg_clutter(
     canvas = fitter.canvas(image_evidence)
     paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, fitter.all_shown, *canvas)
     weight = image_evidence.weight.copy()
-    disregard_cells(canvas, image_evidence.box, fitter.leg_clutter, weight)
+    in_px = LEARNING.leg_clutter_in_px
+    disregard_cells(canvas, image_evidence.box, fitter.leg_clutter, in_px, weight)
     return image_evidence._replace(weight=weight)

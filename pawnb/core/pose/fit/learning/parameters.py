@@ -16,7 +16,8 @@ class LearningParameters:
     range_more : float
         Factor by which ranges of joints are wider than the species file says. Set by hand.
     range_more_deg : float
-        Limits are soft: Pullar's own Table 4.6 goes beyond the ranges of Table 3.2.
+        Ranges are so much wider besides, degrees: limits are soft. After Pullar's own Table 4.6,
+        which goes beyond the ranges of Table 3.2. Set by hand.
     range_sd, range_sd_deg : float
         Standard deviation of an angle about its natural orientation: share of half its range, more.
         Set by hand.
@@ -39,6 +40,12 @@ class LearningParameters:
     least_of_darkest : float
         A leg's palest place, as a share of its darkest: an end laid on the background would be
         learnt as transparent, and stay there. Set by hand.
+    least_dark, most_dark : float
+        Least and most darkness of a part of the animal, in that of what is wholly dark. Set by
+        hand.
+    most_change : float
+        Most by which one step changes a leg's darkness or the logarithm of its thickness. Set by
+        hand.
     least_radius_px : float
         Least half thickness of a leg, working px. Set by hand.
     appearance_shares : tuple[float, ...]
@@ -93,6 +100,8 @@ class LearningParameters:
         hairs. Set by hand.
     leg_clutter_along : int
         Cells along a segment: a hair is about as long. Set by hand.
+    leg_clutter_in_px : int
+        Cells across a leg in a working pixel. Set by hand.
     leg_clutter_hairy : float
         Darkness by which the median of the frames is darker than painted where a hair is, and than
         the place that mirrors it: the rings of a leg are on both sides, and tell where it is. Set
@@ -131,6 +140,9 @@ class LearningParameters:
     dark_sd: float = 0.3
     dark_step_sd: float = 0.1
     least_of_darkest: float = 0.5
+    least_dark: float = 0.08
+    most_dark: float = 1.1
+    most_change: float = 0.4
     least_radius_px: float = 0.25
     appearance_shares: tuple[float, ...] = (1.0, 0.5, 0.25, 0.125, 0.06)
     most_radius: float = 1.2
@@ -153,6 +165,7 @@ class LearningParameters:
     most_step: float = 0.2
     leg_clutter_few: int = 6
     leg_clutter_along: int = 8
+    leg_clutter_in_px: int = 2
     leg_clutter_hairy: float = 0.12
     pose_prior_seen: float = 0.7
     pose_prior_few: int = 20

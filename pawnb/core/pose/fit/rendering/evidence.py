@@ -104,10 +104,11 @@ class Evidence:
         u0, v0, u1, v1 = box
         mean, sd = self.mean[v0:v1, u0:u1], self.sd[v0:v1, u0:u1]
         block = max(12, int(max(image.shape) / RENDERING.blocks_across))
-        gains, counts = block_gains(image, mean, covered, block)
-        gains = smooth_gains(gains, counts, 0.8)
+        gains, counts = block_gains(image, mean, covered, block, RENDERING.black_level)
+        gains = smooth_gains(gains, counts, RENDERING.light_spread)
         seen, weight = np.empty(image.shape), np.empty(image.shape)
-        darkness(image, mean, sd, gains, block, self.light, self.spread, seen, weight)
+        limits = (*RENDERING.darkness_limits, RENDERING.least_contrast)
+        darkness(image, mean, sd, gains, block, self.light, self.spread, limits, seen, weight)
         return ImageEvidence(seen, weight, np.array([float(u0), float(v0)]))
 
 

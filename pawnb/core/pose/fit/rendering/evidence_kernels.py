@@ -12,12 +12,12 @@ from pawnb.core.sorting_kernels import median
 
 @compiled_loosely
 def block_gains(
-    image: np.ndarray, mean: np.ndarray, covered: np.ndarray, block: int
+    image: np.ndarray, mean: np.ndarray, covered: np.ndarray, block: int, black: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the median of image / background in square blocks, and how many pixels it counts.
 
     Every other pixel of every other row counts, where ``covered`` is below 0 and the background
-    is not black.
+    is lighter than ``black``.
     """
     height, width = image.shape
     rows, columns = (height + block - 1) // block, (width + block - 1) // block
@@ -28,7 +28,7 @@ def block_gains(
             n = 0
             for v in range(i * block, min((i + 1) * block, height), 2):
                 for u in range(j * block, min((j + 1) * block, width), 2):
-                    if covered[v, u] == -1 and mean[v, u] > 4.0:
+                    if covered[v, u] == -1 and mean[v, u] > black:
                         values[n] = image[v, u] / mean[v, u]
                         n += 1
             if n:
@@ -61,7 +61,8 @@ def smooth_gains(gains: np.ndarray, counts: np.ndarray, spread: float) -> np.nda
 @compiled_loosely
 def darkness(
     image: np.ndarray, mean: np.ndarray, sd: np.ndarray, gains: np.ndarray, block: int,
-    light: float, spread: float, seen: np.ndarray, weight: np.ndarray,
+    light: float, spread: float, limits: tuple[float, float, float], seen: np.ndarray,
+    weight: np.ndarray,
 ) -> None:  # fmt: skip
     """Write how much darker than the background each pixel is, and how sure that is.
 
@@ -77,9 +78,12 @@ def darkness(
         0 for a dark animal; for a light one, its grey value: 1 is as light as that.
     spread : float
         Standard deviation of what the painted animal leaves unexplained.
+    limits : tuple of float
+        Least and most darkness, and least contrast of a light animal, grey values.
     seen, weight : ndarray, shape (H, W)
-        Receive darkness in [-0.5, 1.5] and one over its variance.
+        Receive darkness within the limits and one over its variance.
     """
+    lowest, highest, least_contrast = limits
     rows, columns = gains.shape
     width = image.shape[1]
     lefts, share = np.empty(width, np.int64), np.empty(width)
@@ -102,9 +106,9 @@ def darkness(
             gain[u] = row[j] + share[u] * (row[j + 1] - row[j])
         for u in range(width):
             lit = max(gain[u] * mean[v, u], 1.0)
-            contrast = max(light - lit, 16.0) if light > 0.0 else -lit
+            contrast = max(light - lit, least_contrast) if light > 0.0 else -lit
             value = (image[v, u] - lit) / contrast
-            seen[v, u] = min(max(value, -0.5), 1.5)
+            seen[v, u] = min(max(value, lowest), highest)
             noise = gain[u] * sd[v, u] / contrast
             weight[v, u] = 1.0 / (spread * spread + noise * noise)
 

@@ -24,7 +24,8 @@ NOTHING = -1
 """Number of the part where nothing is painted."""
 _RIM = 2.0
 """So far inside its edge, half widths of the blur, the rim of a part of the body changes into its
-middle: where the blur of the edge ends the change begins. Set by hand."""
+middle. No other value is possible: the change, two half widths wide, begins where the blur of the
+edge ends, so that darkness is continuous."""
 
 
 @compiled_loosely
@@ -84,7 +85,7 @@ def egg_shape(
     The place is relative to the egg's middle. To first order near the outline.
     """
     a = x / half
-    wide = max(1.0 + egg * a, 0.2)
+    wide = max(1.0 + egg * a, 0.2)  # beyond its narrow end the shape has no width
     b = y / (across * wide)
     f = math.sqrt(a * a + b * b)
     if f < 1e-6:

@@ -128,9 +128,14 @@ def settle_all(
     def first(own: FrameFitter, t: int) -> _Own:
         image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
         image_evidence = counted(own, poses[t], image_evidence)
+        # the look is new
         pose, _ = own.fit(
-            poses[t], image_evidence, anatomy, rounds=8, enough=0.01
-        )  # the look is new
+            poses[t],
+            image_evidence,
+            anatomy,
+            rounds=SEQUENCE.final_fit_first_rounds,
+            enough=SEQUENCE.final_fit_enough,
+        )
         pose = uncrossed(own, pose, image_evidence, prior=anatomy)
         return _own_near(own, pose, image_evidence, anatomy)
 

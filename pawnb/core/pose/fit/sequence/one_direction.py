@@ -12,7 +12,6 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.frame_checkpoint import KeptFrames, Record
 from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.candidates.candidate_sets import (
-    SAME_PX,
     LegCandidates,
     only_choice,
     recalled,
@@ -25,6 +24,7 @@ from pawnb.core.pose.fit.candidates.leg_candidates import (
     side_energy,
     sides_of,
 )
+from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.anatomy import about
@@ -264,7 +264,7 @@ class Follower:
         for legs in self.sides:
             for a, b in itertools.pairwise(legs):
                 gap = np.hypot(*(joints[a] - joints[b]).T)
-                close = np.nanmin(gap[-3:]) < 2 * SAME_PX
+                close = np.nanmin(gap[-3:]) < 2 * CANDIDATES.same_px
                 if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
                     doubted[[a, b]] = True
         for leg, numbers in enumerate(fitter.numbers):

@@ -24,12 +24,15 @@ class SequenceParameters:
         is that of one standard deviation. Set by hand.
     final_fit_rounds : int
         Steps of each of these fits: they begin close to their end. Set by hand.
+    final_fit_first_rounds, final_fit_enough : int or float
+        Most steps of the first of these fits, in which the animal's look is new, and what its cost
+        must fall by in a step to go on. Set by hand.
     alike_px : float
         Errors of pixels nearer than this go together: so many pixels count as one in each
-        direction. Set by hand.
+        direction. Set by hand, on rendered spiders.
     model_sd : float
         What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), half
-        widths of the picture's blur; set, as the line above, on rendered spiders.
+        widths of the picture's blur. Set by hand, on rendered spiders.
     start_sd_px, start_sd_deg : float
         Standard deviation of a place, working px, and of an angle, degrees, in a start pose. Set by
         hand.
@@ -85,7 +88,7 @@ class SequenceParameters:
     one_direction_unlikely : float
         Cost of a leg's pose by anatomy from which on it is doubted. Set by hand.
     usual_grows : float
-        What is left over may grow by 2 % a frame and still be usual.
+        Factor by which what is left over may grow a frame and still be usual. Set by hand.
     first_frames : int
         Frames after the start in which it is not known yet how the legs move. Set by hand.
     keep_velocity : float
@@ -108,6 +111,8 @@ class SequenceParameters:
     final_fit_sweeps: int = 5
     final_fit_gain: float = 0.5
     final_fit_rounds: int = 3
+    final_fit_first_rounds: int = 8
+    final_fit_enough: float = 0.01
     alike_px: float = 4.5
     model_sd: float = 0.3
     start_sd_px: float = 6.0

@@ -11,6 +11,7 @@ from sklearn.preprocessing import StandardScaler
 
 from pawnb.core.paws.offline.detection import classifier
 from pawnb.core.paws.offline.detection.classifier import train_classifier
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 
 PARAMETERS = AppearanceParameters(hidden=12, networks=2, epochs=60)
@@ -71,7 +72,7 @@ def test_slopes_are_those_of_the_loss():
         score = np.einsum("nkh,khc->nkc", active, nets.outer) + nets.outer_bias
         score -= np.log(np.exp(score).sum(axis=2, keepdims=True))
         weights = (nets.inner**2).sum() + (nets.outer**2).sum()
-        return -score[np.arange(7), :, y].sum() / 7 + classifier._DECAY * weights / (2 * 7)
+        return -score[np.arange(7), :, y].sum() / 7 + LEARNT.weight_decay * weights / (2 * 7)
 
     slopes = np.empty_like(vector)
     classifier._find_slopes(

@@ -51,7 +51,7 @@ def scene(anchors=None):
         return np.stack([x[..., :2], x[..., :2] + 100.0], axis=-2)
 
     return SimpleNamespace(
-        geometry=SimpleNamespace(project=project), anchors=anchors or {}, paw_width=2.0
+        projection=SimpleNamespace(project=project), anchors=anchors or {}, paw_width=2.0
     )
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from pawnb.core.paws.offline.scene import camera_motion
 from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 SIZE = (160, 120)
 
@@ -70,7 +71,7 @@ def test_long_recordings_of_a_still_camera_are_looked_at_in_part(make_texture, m
     texture = make_texture(130, 200)
     still = np.stack([texture[:100, :120]] * 90)
     assert not find_camera_motion(still).pans
-    assert len(asked) == camera_motion._TRIED
+    assert len(asked) == CAMERA.camera_tried
     moving = np.stack([texture[:100, t // 2 : 120 + t // 2] for t in range(0, 160, 2)])
     found = find_camera_motion(moving)
     assert found.pans

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from painted_walk import PX_PER_MM, painted_walk
 
+from pawnb.core.parameters import parameters_set
+from pawnb.core.pose.fit.candidates.leg_candidates import limb_search
 from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart, chains_cross, find_limbs
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
@@ -39,7 +41,9 @@ def test_one_of_the_best_limbs_of_each_leg_is_the_painted_one():
         # one leg alone: where all eight are seen, a neighbour's limb may offer more
         shown = np.arange(9) == leg
         paint_some(layout, pose, 1.8, np.zeros(2), shown, *canvas)
-        numbers, support = find_limbs(layout, body, leg, canvas[0], np.zeros(2), prior, 24, 5, 5.0)
+        numbers, support = find_limbs(
+            layout, body, leg, canvas[0], np.zeros(2), prior, limb_search(), 5, 5.0
+        )
         assert (np.diff(support) <= 0).all()
         trial, joints, away = body.copy(), np.zeros((8, 2)), []
         for found in numbers:
@@ -64,7 +68,7 @@ def test_a_limb_goes_on_behind_what_hides_it():
 
     def nearest(hidden):
         seen = np.where(veil, hidden, canvas[0])
-        numbers, _ = find_limbs(layout, body, leg, seen, np.zeros(2), prior, 24, 2, 5.0)
+        numbers, _ = find_limbs(layout, body, leg, seen, np.zeros(2), prior, limb_search(), 2, 5.0)
         trial, joints, away = body.copy(), np.zeros((8, 2)), []
         for found in numbers:
             trial[layout.first[leg] : layout.first[leg] + 10] = found
@@ -75,3 +79,6 @@ def test_a_limb_goes_on_behind_what_hides_it():
     # where nothing can be seen it is found; where the ground is seen, it ends before
     assert nearest(np.nan) < 8.0
     assert nearest(0.0) > 12.0
+    # how much counts as seen there can be set: light ground is nothing
+    with parameters_set({"candidates": {"limb_hidden": 0.0}}):
+        assert nearest(np.nan) > 12.0

@@ -33,8 +33,8 @@ class NetworkFlowParameters:
         must be. Set by hand.
     same_side : float
         An unlabelled target that is within so many spans, to the side, of where the paw of its kind
-        was clicked is that paw: clicks of two views of one side are 0.01 off in depth, and left and
-        right paws of rendered mice are 0.2 (front) to 0.9 (hind) apart.
+        was clicked is that paw. Measured: clicks of two views of one side are 0.01 off in depth,
+        and left and right paws of rendered mice are 0.2 (front) to 0.9 (hind) apart.
     far_side : float
         An unlabelled target is so many spans farther from the cameras than the clicked one of its
         kind. Set by hand.
@@ -42,7 +42,8 @@ class NetworkFlowParameters:
         Standard deviation, in spans, of how far to the side of its usual way a paw goes. Set by
         hand.
     to_sd : float
-        Standard deviation of a normal distribution over its median absolute deviation. Set by hand.
+        Standard deviation of a normal distribution over its median absolute deviation: mathematics,
+        one over the 3/4 quantile of the standard normal distribution.
     positional_prior_bins : int
         Bins of the distribution of where a paw is about the body. Set by hand.
     positional_prior_most : float

@@ -16,7 +16,7 @@ as they are, the table is learnt anew of finer steps of colour; see
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
@@ -66,7 +66,7 @@ class Appearance:
     paw_width_px: float
     around_px: int
     background: np.ndarray | None = None
-    usual: float = COLOUR.colour_model_limit
+    usual: float = field(default_factory=lambda: COLOUR.colour_model_limit)
     mistaken: float = 0.0
     fine_colours: FineColours | None = None
 
