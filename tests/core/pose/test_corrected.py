@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from walking_poses import uncertain_track, walking_poses
 
-from pawnb.core.edits.log import EditLog, Hide, Move, Pose, Retrack, Swap
+from pawnb.core.edits.log import EditLog, Move, Pose, Retrack
 from pawnb.core.pose.as_tracks import poses_of, tracks_from_poses
 from pawnb.core.pose.corrected import pose_values, posed_frames, put_pose
 from pawnb.core.pose.poses import tip_positions
@@ -68,13 +68,8 @@ def test_a_pose_that_cannot_be_is_refused(tracks, change, sentence):
 def test_points_of_a_jointed_animal_are_not_moved_alone(tracks):
     """The angles would no longer be those of the points."""
     log = EditLog(tracks, px_per_unit=2.4)
-    for edit in (
-        Move(frame=8, view="top", point="L1", u=3.0, v=4.0),
-        Hide(frame=8, view="top", point="L1"),
-        Swap(frame=8, first="L1", second="L2"),
-    ):
-        with pytest.raises(InputError, match="PoseReviewer"):
-            log.apply(edit)
+    with pytest.raises(InputError, match="PoseReviewer"):
+        log.apply(Move(frame=8, view="top", point="L1", u=3.0, v=4.0))
     with pytest.raises(InputError, match="frame 400 is not in the tracks"):
         log.apply(Pose(frame=400, pose=pose_values(ANIMAL, walking_poses(ANIMAL, 1))))
     with pytest.raises(InputError, match="no tracker was given"):
