@@ -33,8 +33,8 @@ import pawnb
 from pawnb.core.paws.offline import learnt_run, weighing
 from pawnb.core.paws.offline.output import SEEN
 from pawnb.core.paws.offline.quality.calibration import standard_deviation
+from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
-from pawnb.core.paws.offline.quality.measures import QualityLimits
 from pawnb.core.paws.offline.quality.signs import SIGNS
 
 CELL_WEIGHT = 20.0

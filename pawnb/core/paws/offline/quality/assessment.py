@@ -19,11 +19,9 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits
 from pawnb.core.paws.offline.quality.measures import (
     CALIBRATED,
-    Labels,
-    Measure,
-    QualityLimits,
     measure_evidence,
     measure_places,
     read_labels,

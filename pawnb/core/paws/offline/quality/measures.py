@@ -9,15 +9,15 @@ middle. A measure that is not known takes nothing away.
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.ndimage import binary_opening, distance_transform_edt
+from scipy.ndimage import distance_transform_edt
 from scipy.special import expit, logit
 
-from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
+from pawnb.core.paws.offline.quality.one_place import on_one_place, on_one_place_in_space
+from pawnb.schema import Tracks
 
 CALIBRATED = "is_probability"
 """Attribute of ``image_confidence``: 1 where it is the probability, 0 to 1, that the label lies
@@ -45,97 +45,6 @@ _MOST_FRAMES = 1000
 """The usual size is estimated from so many frames, spread evenly."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class QualityLimits:
-    """Absolute limits of what is right, good and failed.
-
-    Parameters
-    ----------
-    good, failed : float
-        Shares of labels that are expected to be right: ``good`` from the one on, ``failed``
-        below the other, between them ``look``.
-    right : float
-        Labels this near to the truth are right, in body sizes: half a paw.
-    bridged_s : float
-        Labels further than this from the next frame in which the point was found are not
-        to be believed, s: a stance of a walking animal lasts a few tenths of a second, and what
-        a paw did in a step that nobody saw is not known.
-    beyond : float
-        No point of an animal is further from the middle of the others, in body sizes; an
-        animal may come nearer to the camera.
-    leap : float
-        No point moves so far in one frame, in body sizes: a leg tip of a fly at 100 frames per
-        second moves 0.25, a horse's hoof at 24 frames per second 0.3.
-    beside : float
-        Points nearer than this, in body sizes, lie on one place.
-    beside_s : float
-        Paws that pass each other part again within this time, s.
-    """
-
-    good: float = 0.9
-    failed: float = 0.5
-    right: float = 0.055
-    bridged_s: float = 0.3
-    beyond: float = 1.25
-    leap: float = 0.6
-    beside: float = 0.03
-    beside_s: float = 0.25
-
-
-@dataclass(frozen=True)
-class Measure:
-    """One measure of labels.
-
-    Parameters
-    ----------
-    words : str
-        What speaks against a label; ``{point}`` and, where there is one, ``{other}``.
-    left : ndarray, shape (n, V, P)
-        What it leaves of the probability that a label is right, 0 to 1.
-    other : ndarray of int, shape (n, V, P), optional
-        Number of the other point that it is about.
-    """
-
-    words: str
-    left: np.ndarray
-    other: np.ndarray | None = None
-
-
-@dataclass(frozen=True)
-class Labels:
-    """What the measures need of tracks.
-
-    Parameters
-    ----------
-    uv : ndarray, shape (n, V, P, 2)
-        Image positions, px.
-    origin : ndarray of int, shape (n, V, P)
-        Their origins.
-    body_px : ndarray, shape (V,)
-        Size of the body; NaN where there is one point only.
-    fps : float
-        Frames per second.
-    sizes : dict
-        Width and height of views, px, by number, where they are known.
-    """
-
-    uv: np.ndarray
-    origin: np.ndarray
-    body_px: np.ndarray
-    fps: float
-    sizes: dict[int, tuple[int, int]]
-
-    @property
-    def found(self) -> np.ndarray:
-        """Which labels were found in the picture, or placed by hand."""
-        return np.asarray(np.isin(self.origin, (ORIGIN_CODE["measured"], ORIGIN_CODE["edited"])))
-
-    @property
-    def known(self) -> np.ndarray:
-        """Which labels there are."""
-        return np.asarray(np.isfinite(self.uv).all(axis=-1))
-
-
 def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
     """Take from tracks what the measures need.
 
@@ -154,17 +63,42 @@ def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
         pictures = {}  # a jointed animal is known as a whole: legs that have left are right
     sizes = {v: tuple(pictures[name]) for v, name in enumerate(views) if name in pictures}
     body = _body_px(uv, tracks, clicks)
-    return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes)
+    space = _in_space(tracks)
+    apart = _clicked_apart(space, _clicked_labels(tracks, clicks, uv.shape[2]))
+    return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes, space, apart)
+
+
+def _in_space(tracks: Tracks) -> np.ndarray:
+    """Return positions in space (n, P, 3); NaN where tracks are of one picture."""
+    position = tracks["position"].isel(individual=0)
+    n, n_points = tracks.sizes["time"], tracks.sizes["keypoint"]
+    if position.sizes["space"] < 3 or tracks.sizes["view"] < 2:
+        return np.full((n, n_points, 3), np.nan)
+    return np.asarray(position.transpose("time", "keypoint", "space").to_numpy())
+
+
+def _clicked_labels(tracks: Tracks, clicks: pd.DataFrame | None, n_points: int) -> np.ndarray:
+    """Return which points (n, P) were clicked in any view: tracks pass there in the others, too."""
+    here = np.zeros((tracks.sizes["time"], n_points), dtype=bool)
+    if clicks is not None:
+        frames, points = tracks["frame"].to_numpy(), tracks["keypoint"].to_numpy()
+        for frame, clicked in clicks.groupby("frame"):
+            here[frames == frame] = np.isin(points, clicked["point"])
+    return here
+
+
+def _clicked_apart(space: np.ndarray, here: np.ndarray) -> np.ndarray:
+    """Return the smallest distance (P, P) at which two points were clicked; NaN where never."""
+    at = np.where(here[..., None], space, np.nan)[here.any(axis=1)]
+    apart = np.full((here.shape[1], here.shape[1]), np.inf)
+    for places in at:
+        apart = np.fmin(apart, np.linalg.norm(places[:, None] - places[None], axis=-1))
+    return np.where(np.isfinite(apart), apart, np.nan)
 
 
 def _body_px(uv: np.ndarray, tracks: Tracks, clicks: pd.DataFrame | None) -> np.ndarray:
     """Return the size of the body in each view (V,), px: where it was clicked, else as usual."""
-    here = np.zeros((len(uv), uv.shape[2]), dtype=bool)
-    if clicks is not None:
-        # what was clicked in any view tracks pass through in the others, too
-        frames, points = tracks["frame"].to_numpy(), tracks["keypoint"].to_numpy()
-        for frame, clicked in clicks.groupby("frame"):
-            here[frames == frame] = np.isin(points, clicked["point"])
+    here = _clicked_labels(tracks, clicks, uv.shape[2])
     clicked_uv = np.where(here[:, None, :, None], uv, np.nan)[here.any(axis=1)]
     body = np.array([_usual_span(clicked_uv[:, v]) for v in range(uv.shape[1])])
     usual = np.array([_usual_span(uv[:, v]) for v in range(uv.shape[1])])
@@ -210,7 +144,8 @@ def measure_places(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> 
     return [
         _off_the_picture(labels, limits),
         _beyond_the_body(labels, limits, trust),
-        _on_one_place(labels, limits),
+        on_one_place(labels, limits),
+        on_one_place_in_space(labels, limits),
         _leaps(labels, limits),
     ]
 
@@ -276,24 +211,6 @@ def _middle(uv: np.ndarray) -> np.ndarray:
     return middle
 
 
-def _on_one_place(labels: Labels, limits: QualityLimits) -> Measure:
-    _, n_views, n_points = labels.origin.shape
-    shared = np.zeros((len(labels.uv), n_points), dtype=bool)
-    other = np.zeros(shared.shape, dtype=int)
-    lasting = np.ones(max(2, round(limits.beside_s * labels.fps) + 1))
-    for p, q in combinations(range(n_points), 2):
-        away = np.linalg.norm(labels.uv[:, :, p] - labels.uv[:, :, q], axis=-1)
-        both = np.isfinite(away)
-        # in space they share a place only where every view that has both says so
-        near = ((away < limits.beside * labels.body_px) | ~both).all(axis=1) & both.any(axis=1)
-        near = binary_opening(near, lasting)
-        shared[near, p] = shared[near, q] = True
-        other[near, p], other[near, q] = q, p
-    left = np.where(shared, 0.5, 1.0)
-    others = np.repeat(other[:, None], n_views, axis=1)
-    return Measure("{point} and {other} lie on one place", _in_views(left, labels), others)
-
-
 def _leaps(labels: Labels, limits: QualityLimits) -> Measure:
     step = np.full(labels.origin.shape, np.nan)
     if len(step) > 1:
@@ -312,11 +229,7 @@ def _bridged(labels: Labels, limits: QualityLimits) -> Measure:
         away[:, p] = distance_transform_edt(~found[:, p])
     late = away / labels.fps - limits.bridged_s / 3.0
     left = np.exp(-np.maximum(late, 0.0) / limits.bridged_s)
-    return Measure("{point} was not found for long and is only guessed", _in_views(left, labels))
-
-
-def _in_views(values: np.ndarray, labels: Labels) -> np.ndarray:
-    return np.broadcast_to(values[:, None], labels.origin.shape).copy()
+    return Measure("{point} was not found for long and is only guessed", in_views(left, labels))
 
 
 def _not_separated(tracks: Tracks, labels: Labels) -> Measure:
@@ -350,7 +263,7 @@ def _passes_apart(tracks: Tracks, labels: Labels) -> Measure:
     left = np.ones(labels.origin.shape)
     if "passes_apart" in tracks:
         apart = tracks["passes_apart"].isel(individual=0).to_numpy()
-        left = _in_views(_falling(apart, 3.0, 8.0, 0.3), labels)
+        left = in_views(_falling(apart, 3.0, 8.0, 0.3), labels)
     return Measure("passes forwards and backwards disagree about {point}", left)
 
 
