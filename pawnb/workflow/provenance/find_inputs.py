@@ -74,8 +74,9 @@ def find_inputs(
         parts = Path(label).parts
         tails = [Path(*parts[k:]) for k in range(len(parts))]
         there = [f for place in places for tail in tails if (f := place / tail).is_file()]
-        there = there or [file for place in places[:_NEAR] for file in _within(place, label)]
-        same = next((file for file in there if file_checksum(file) == checksum), None)
+        # what lies farther off may be another trial's: only the very file is taken for it
+        near = [] if there else [f for place in places[:_NEAR] for f in _within(place, label)]
+        same = next((file for file in (*there, *near) if file_checksum(file) == checksum), None)
         if same is None and there:
             raise InputError(
                 f"{there[0]} has changed since {Path(of).name} was made of it, so that cannot be "

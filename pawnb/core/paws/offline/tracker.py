@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.learnt_run import goes_on, track_learnt
 from pawnb.core.paws.offline.parameters import RUN
-from pawnb.core.paws.offline.quality.assessment import Quality, assess
+from pawnb.core.paws.offline.quality.assessment import Quality, assess, share_on_one_place
 from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
@@ -86,7 +86,7 @@ def track_offline(
         if settings.evidence == kind or not complete:
             return tracks
         quality = assess(add_likeness(views, tracks, start), clicks=start)
-        if best is None or _is_better(quality, best[0]):
+        if best is None or (_is_better(quality, best[0]) and not share_on_one_place(tracks, start)):
             best = quality, tracks
         if best[0].expected_right >= enough:
             break

@@ -26,6 +26,7 @@ from pawnb.core.paws.offline.quality.measures import (
     measure_places,
     read_labels,
 )
+from pawnb.core.paws.offline.quality.one_place import on_one_place_in_space
 from pawnb.core.paws.offline.quality.time_gaps import TimeGap, find_time_gaps
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
@@ -194,6 +195,25 @@ def label_chances(
     for p in range(chance.shape[2]):
         chance[:, ~np.isin(np.arange(chance.shape[1]), _views_of(labels, p)), p] = np.nan
     return chance
+
+
+def share_on_one_place(tracks: Tracks, clicks: pd.DataFrame | None) -> float:
+    """Return the largest share of a point's labels that lie on another one's place in space.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with image positions; without a calibration the share is 0.
+    clicks : DataFrame, optional
+        frame, view, point, u, v: what a person has placed.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
+    left = on_one_place_in_space(_labels(tracks, clicks), QualityLimits()).left
+    return float((left < 1.0).mean(axis=(0, 1)).max(initial=0.0))
 
 
 def _labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:

@@ -234,13 +234,14 @@ def test_a_path_that_is_doubted_is_kept_unless_being_hidden_is_cheaper():
     kept = np.isfinite(paths.first()[..., 0])
     lost = np.zeros((n, 4), bool)
     lost[:, 2] = True
-    paths.doubt(lost)  # no other paw wants it
-    np.testing.assert_array_equal(np.isfinite(paths.first()[..., 0]), kept)
+    doubted = paths.doubting(lost)  # no other paw wants it
+    np.testing.assert_array_equal(np.isfinite(doubted.first()[..., 0]), kept)
     for _ in range(4):
-        paths.doubt(lost)
-    x = paths.first()
+        doubted = doubted.doubting(lost)
+    x = doubted.first()
     assert np.isnan(x[1:, 2]).mean() > 0.9
     np.testing.assert_array_equal(np.isfinite(x[:, :2, 0]), kept[:, :2])
+    np.testing.assert_array_equal(np.isfinite(paths.first()[..., 0]), kept)
 
 
 def test_a_paw_may_have_wandered_farther_aside_where_only_its_side_was_clicked():
