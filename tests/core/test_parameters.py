@@ -125,6 +125,7 @@ def reads(node, objects, *, called=False):
                 yield from reads(child, objects, called=inner)
 
 
+@pytest.mark.slow
 def test_parameters_are_read_when_they_are_needed_and_none_is_idle():
     """As a default argument one would be what it is by default, whatever is set."""
     objects = dict(parameter_objects())
