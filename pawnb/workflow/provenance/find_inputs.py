@@ -83,9 +83,10 @@ def find_inputs(
                 "made again; put the file from then back, or make it anew."
             )
         if same is None:
+            other = f" ({near[0]} has another content)" if near else ""
             raise InputError(
-                f"{label}, of which {Path(of).name} was made, is not there; name the folder that "
-                "holds it with --inputs."
+                f"{label}, of which {Path(of).name} was made, is not there{other}; name the folder "
+                "that holds it with --inputs."
             )
         found[label] = same
     return found
