@@ -79,7 +79,7 @@ class ClickInitialiser(FrameCanvas):
         **options: Any,
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
-        self._own_views = open_views(trial) if views is None else None
+        self._own_views = open_views(trial, share_memory=True) if views is None else None
         shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
         self.session = StartSession(
             trial,

@@ -101,7 +101,7 @@ class PoseReviewer(StickPoser, Comparing):
         self._open_corrected = partial(
             StretchEdits, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
         )
-        shown = open_views(trial) if views is None else views
+        shown = open_views(trial, share_memory=True) if views is None else views
         reader = shown.readers[pose_view(trial)]
         self._size = (reader.width, reader.height)
         self._open_tracks(tracks, frame=frame)

@@ -91,7 +91,7 @@ class StickPoser(FrameCanvas):
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
         self.trial = trial
-        shown = open_views(trial) if views is None else views
+        shown = open_views(trial, share_memory=True) if views is None else views
         self._own_views = shown if views is None else None
         self._shown = shown
         self.view = pose_view(trial)

@@ -124,7 +124,7 @@ class TrackReviewer(Comparing, Questions):
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
         self._prepare(trial, retrack)
-        self._own_views = open_views(trial) if views is None else None
+        self._own_views = open_views(trial, share_memory=True) if views is None else None
         shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent

@@ -31,7 +31,10 @@ from pawnb.files import check_file
 _EXPECTED = "a video file, a folder of pictures or a glob such as frames/*.png"
 
 _BLOCK_BYTES = 64 * 2**20
-"""Memory for pictures met on the way to the one asked for: stepping back needs them."""
+"""Memory for pictures met on the way to the one asked for: stepping back needs them.
+
+A decoder keeps the memory of as many as it ever had to hold.
+"""
 
 _MOST_REORDERED = 32
 """Packets after which a picture that has not come out never will (H.264 allows 16)."""
@@ -44,6 +47,8 @@ class VideoFile:
     ----------
     path : str or Path
         The file.
+    n_files : int
+        How many files share the memory for stepping back.
 
     Attributes
     ----------
@@ -67,8 +72,9 @@ class VideoFile:
     an error can be distinguished from the packet that caused it.
     """
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, *, n_files: int = 1) -> None:
         self.path = Path(path)
+        self._n_files = n_files
         self.name = str(path)
         self.notes: list[str] = []
         self._lock = threading.RLock()
@@ -87,7 +93,7 @@ class VideoFile:
             self.is_variable_rate = self._index.is_variable_rate
             self.width, self.height = self._stream.width, self._stream.height
             size = max(self.width * self.height * 2, 1)
-            self._block = min(max(_BLOCK_BYTES // size, 4), 64)
+            self._block = min(max(_BLOCK_BYTES // (n_files * size), 4), 64)
             self._at: int | None = None
             self._began = 0
             self.grab(0)
@@ -154,7 +160,7 @@ class VideoFile:
 
     def again(self) -> VideoFile:
         """Open the file once more, to be read and closed by itself."""
-        return VideoFile(self.path)
+        return VideoFile(self.path, n_files=self._n_files)
 
     def close(self) -> None:
         """Close the file; reading after that is refused."""

@@ -43,13 +43,16 @@ def open_view(
     return _reader(view, _open_source(view, Path(folder)), lens, fps)
 
 
-def open_views(trial: Trial) -> ViewSet:
+def open_views(trial: Trial, *, share_memory: bool = False) -> ViewSet:
     """Open every view of a trial; views of one file share its decoder.
 
     Parameters
     ----------
     trial : Trial
         What was filmed.
+    share_memory : bool
+        Whether the memory for stepping back, 64 MB a file, is one for all files: enough for a
+        person who looks at the frames; who reads them all backwards wants more.
 
     Returns
     -------
@@ -68,11 +71,12 @@ def open_views(trial: Trial) -> ViewSet:
         raise VideoError(f"trial {trial.name!r} has no views; add [[views]] to its trial.toml.")
     lenses = lenses_of_views(trial, [view.name for view in trial.views])
     sources: dict[str, Source] = {}
+    n_files = len({view.video for view in trial.views}) if share_memory else 1
     with contextlib.ExitStack() as on_error:
         readers = {}
         for view in trial.views:
             if view.video not in sources:
-                sources[view.video] = _open_source(view, trial.folder)
+                sources[view.video] = _open_source(view, trial.folder, n_files)
                 on_error.callback(sources[view.video].close)
             source = sources[view.video]
             readers[view.name] = _reader(view, source, lenses.get(view.name), trial.fps)
@@ -92,7 +96,7 @@ def _reader(view: View, source: Source, lens: Lens | None, fps: float | None) ->
     return reader
 
 
-def _open_source(view: View, folder: Path) -> Source:
+def _open_source(view: View, folder: Path, n_files: int = 1) -> Source:
     """Open what a view names, by what it is; messages begin with the view's name."""
     path = folder / view.video
     try:
@@ -100,6 +104,6 @@ def _open_source(view: View, folder: Path) -> Source:
             return PictureFolder(path)
         if path.exists() and path.suffix.lower() in SUFFIXES:
             return PictureFolder(path)
-        return VideoFile(path)
+        return VideoFile(path, n_files=n_files)
     except VideoError as error:
         raise VideoError(f"view {view.name!r}: {error}") from None

@@ -14,6 +14,7 @@ from video_clips import barcode, damage, packet_bytes, write_clip, write_h264, w
 
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.video import VideoFile, open_view, open_views
+from pawnb.core.video import file as file_module
 from pawnb.core.video import views as views_module
 from pawnb.core.video.viewset import READ_AHEAD
 from pawnb.errors import InputError, VideoError
@@ -236,6 +237,18 @@ def test_memory_stays_flat(tmp_path, monkeypatch, step):
         kept = [len(reader.source._kept) for reader in views.readers.values()]
     assert 2 <= most <= 2 * (READ_AHEAD + 2)
     assert max(kept) <= 64
+
+
+@pytest.mark.parametrize(("share", "kept"), [(False, 40), (True, 20)])
+def test_memory_for_stepping_back_can_be_one_for_all_files(tmp_path, monkeypatch, share, kept):
+    """Room for 40 pictures of one file is room for 20 of each of two."""
+    monkeypatch.setattr(file_module, "_BLOCK_BYTES", 40 * 2 * 160 * 64)
+    for k in (1, 2):
+        write_h264(tmp_path / f"cam{k}.avi", n=60, options={"bf": "0", "g": "60"})
+    with open_views(trial_of(tmp_path, cam(1), cam(2)), share_memory=share) as views:
+        views.frame(59)
+        views.frame(55)  # back: read again from the key frame, 0
+        assert [len(r.source._kept) for r in views.readers.values()] == [kept, kept]
 
 
 def test_lenses_are_looked_up_by_view(clips, tmp_path):
