@@ -88,7 +88,7 @@ def smooth_posterior(
     agreement = np.ones(n)
     for t in range(n - 2, -1, -1):
         mass = carried(_normalised(to_come * likelihood[t + 1]), forward[t])
-        to_come = _normalised(mass) + 10 * parameters.lost / (h * w)
+        to_come = _normalised(mass) + LINKS.to_come_even * parameters.lost / (h * w)
         if compared:
             agreement[t] = _overlap(filtered[t], _normalised(to_come * likelihood[t]))
         filtered[t] = _normalised(cv2.multiply(to_come, filtered[t]))

@@ -27,7 +27,7 @@ from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import CorrelationParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
-_TINY, _FLAT = 1e-6, 1e-2
+_TINY, _FLAT, _MOST_LOG = 1e-6, 1e-2, 50.0
 """Least norm of a patch and variance of grey values: what is flat correlates with nothing."""
 
 
@@ -165,7 +165,7 @@ def _find_point(
         s = np.array([peak[2] for peak in peaks])
         # a score higher than the point's own mean is no worse than the mean
         log = -(np.maximum(mean - s, 0.0) ** 2) / (2 * sd**2) - np.log(sd) + s**2 / 2
-        ratio = np.exp(np.minimum(log, 50.0))
+        ratio = np.exp(np.minimum(log, _MOST_LOG))
         share = ratio / (places + ratio.sum())
         for (x, y, _), own in zip(peaks, share, strict=True):
             if own > LEARNT.least_peak:

@@ -141,6 +141,30 @@ class ColourParameters:
     in_hand : int
         Frames that may wait to be searched: no thread stands idle for the slowest view. Set by
         hand.
+    blob_detection_apart : float
+        Blobs are so many of their widths apart. Set by hand.
+    fine_blur_px : float
+        Blur before colours are counted, px of the reduced picture. Set by hand.
+    least_margin : float
+        Log-odds that paws usually have above the limit, at least, when they are scaled. Set by
+        hand.
+    floor_lab : tuple of float
+        Least standard deviations of a paw's colour in CIE Lab. Set by hand.
+    floor_grey : tuple of float
+        The same of grey values: its own, over its surroundings, over what stays. Set by hand.
+    wider : float
+        The variance of a paw's colour is so many times that of its members. Set by hand.
+    histogram_blur : float
+        Blur of a histogram of colours, bins. Set by hand.
+    histogram_even : float
+        Share of a histogram that is even. Set by hand.
+    fewest_members : int
+        Grown regions of no more pixels are not taken. Set by hand.
+    paw_width_ground : float
+        Percentile of the score about a click that is its surroundings. Set by hand.
+    stays : float
+        Weight, in that of what views tell, of staying where it was in directions that they do not
+        tell. Set by hand.
     """
 
     background_samples: int = 32
@@ -200,6 +224,17 @@ class ColourParameters:
     scan_stride: int = 8
     most_faint: int = 24
     in_hand: int = 2
+    blob_detection_apart: float = 1.6
+    fine_blur_px: float = 0.8
+    least_margin: float = 0.1
+    floor_lab: tuple[float, ...] = (5.0, 2.0, 2.0)
+    floor_grey: tuple[float, ...] = (12.0, 12.0, 12.0)
+    wider: float = 1.3
+    histogram_blur: float = 0.7
+    histogram_even: float = 0.01
+    fewest_members: int = 9
+    paw_width_ground: float = 20.0
+    stays: float = 0.01
 
 
 COLOUR = in_force("colour", ColourParameters())
@@ -283,6 +318,37 @@ class LearntDetectionParameters:
         Frames from which is learnt again, spread over the recording. Set by hand.
     paw_sure : float
         Standard deviation, in paw widths, below which a track is learnt from. Set by hand.
+    found_blur : float
+        Blur of probabilities, places of the grid. Set by hand.
+    found_unsure : float
+        Added to the probability that a point is elsewhere: keeps what is certain within what the
+        samples can tell. Set by hand.
+    copies_fewer : int
+        Frames that were not clicked are taken so many times less often. Set by hand.
+    background_radii : float
+        Places of the background that are so many radii away are taken half as often as near ones.
+        Set by hand.
+    moment_decays : tuple of float
+        Decay of the mean gradient and of its square. Kingma & Ba 2015, who propose both.
+    near_sd_px : float
+        Scale of derivatives, px at half the working size. Set by hand.
+    middle_sd_px : float
+        The same, of the second, beyond the first. Set by hand.
+    far_sd_px : float
+        The same, of the third, beyond the second. Set by hand.
+    colour_sd_px : float
+        The same of colour. Set by hand.
+    rings_px : tuple of float
+        Radii of the rings about a place, working px. Set by hand.
+    ring_minus : float
+        Share of the brightness at the place that is taken from that of the rings. Set by hand.
+    texture_least : float
+        Added to the strength of texture, so that noise has no direction. Set by hand.
+    paw_usual_least : float
+        Likeness that paws usually have at clicks, at least. Set by hand.
+    paw_background : float
+        Places of the background so many paw widths away are taken half as often as near ones. Set
+        by hand.
     """
 
     copies_turn_deg: float = 10.0
@@ -317,6 +383,20 @@ class LearntDetectionParameters:
     paw_copies_tracked: int = 1
     paw_frames: int = 32
     paw_sure: float = 0.3
+    found_blur: float = 0.8
+    found_unsure: float = 0.02
+    copies_fewer: int = 4
+    background_radii: float = 3.0
+    moment_decays: tuple[float, float] = (0.9, 0.999)
+    near_sd_px: float = 1.3
+    middle_sd_px: float = 5.2
+    far_sd_px: float = 10.4
+    colour_sd_px: float = 5.1
+    rings_px: tuple[float, ...] = (10.0, 20.0, 35.0)
+    ring_minus: float = 0.7
+    texture_least: float = 1e-4
+    paw_usual_least: float = 0.1
+    paw_background: float = 4.0
 
 
 LEARNT = in_force("learnt_detection", LearntDetectionParameters())
@@ -366,6 +446,17 @@ class PredictionParameters:
     crossed : float
         Two points exchange places if crossed steps are shorter than this share of straight ones.
         Set by hand.
+    counts_of_changes : tuple of float
+        Pseudo-counts of states (right, astray, elsewhere, mistaken) from one frame to the next. Set
+        by hand.
+    at_first : tuple of float
+        Probabilities of states in the first frame. Set by hand.
+    counts_of_likelihoods : tuple of float
+        Pseudo-counts of likelihoods in each state; those where it is mistaken are those where
+        right. Set by hand.
+    counts_of_steps : tuple of float
+        Pseudo-counts of steps: in one state, from or to being astray, from or to being elsewhere.
+        Set by hand.
     """
 
     least_likelihood: float = 0.02
@@ -385,6 +476,23 @@ class PredictionParameters:
     most_step: float = 0.1
     step_gap: int = 5
     crossed: float = 0.5
+    counts_of_changes: tuple[tuple[float, ...], ...] = (
+        (98.7, 0.9, 0.4, 0.001),
+        (8.0, 1.6, 0.4, 0.0),
+        (0.8, 0.2, 9.0, 0.0),
+        (0.001, 0.9, 0.4, 98.7),
+    )
+    at_first: tuple[float, ...] = (0.9, 0.03, 0.04, 0.03)
+    counts_of_likelihoods: tuple[tuple[float, ...], ...] = (
+        (0.1, 0.3, 1.0, 2.0, 3.0, 3.6),
+        (2.5, 2.0, 1.8, 1.5, 1.2, 1.0),
+        (1.5, 1.5, 1.8, 1.8, 1.7, 1.7),
+    )
+    counts_of_steps: tuple[tuple[float, ...], ...] = (
+        (450.0, 40.0, 7.0, 2.0, 0.1),
+        (0.4, 0.8, 1.0, 7.6, 0.2),
+        (0.5, 0.8, 1.0, 3.7, 4.0),
+    )
 
 
 PREDICTIONS = in_force("predictions", PredictionParameters())

@@ -259,8 +259,8 @@ class _Crops:
             picture, self.kept[i] = self.kept[i], _NOTHING  # its memory is given back
             self._crop(picture)
         grey = np.stack(self.grey)
-        low, high = np.percentile(grey[::5], (1, 99.8))
-        levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** 0.7 * 255
+        low, high = np.percentile(grey[::5], CAMERA.percentiles)
+        levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** CAMERA.gamma * 255
         for picture in grey:
             cv2.LUT(picture, levels.astype(np.uint8), dst=picture)
         spacing = self.parameters.spacing

@@ -35,7 +35,11 @@ class SwingErrors(NamedTuple):
 
 @compiled
 def forward(s: float, slope: float) -> float:
-    """Return the share of the way after a share ``s`` of a swing that ends with a speed."""
+    """Return the share of the way after a share ``s`` of a swing that ends with a speed.
+
+    The polynomial of fifth degree whose jerk is least (Flash & Hogan 1985), which rests at both
+    ends, and what changes its speed at the end alone.
+    """
     cube = s * s * s
     return cube * (10.0 - 15.0 * s + 6.0 * s * s) + slope * _steeper(s)
 

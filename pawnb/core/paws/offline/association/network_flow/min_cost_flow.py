@@ -19,9 +19,13 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from pawnb.core.compiled import compiled
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.pruning import useful_links
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
 from pawnb.core.sorting_kernels import ascending
+
+_LONGEST_S = 60.0
+"""Resource: time, s, after which the best association so far is taken."""
 
 
 @dataclass(frozen=True)
@@ -86,12 +90,14 @@ def _link_cost(
     r: float,
     occlusion_onset_cost: float,
     occlusion_frame_cost: float,
+    vague: float,
 ) -> float:
     """Return the cost of going from the end of tracklet i to the beginning of tracklet j.
 
     The least squared acceleration that joins the two ends, in units of its variance: for
     a gap of g frames, ``12 |dx|^2 / g^3 + |dv|^2 / g`` with ``dx`` what the mean of both
-    speeds does not explain. ``q`` is that variance and ``r`` the one of a place.
+    speeds does not explain. ``q`` is that variance and ``r`` the one of a place; ``vague`` is the
+    weight of how wide they let it be.
     """
     gap, d = float(heads.frame[j] - tails.frame[i]), heads.x.shape[1]
     unsure = tails.var[i] + heads.var[j]
@@ -103,7 +109,7 @@ def _link_cost(
         away += (heads.x[j, k] - tails.x[i, k] - 0.5 * (v0 + v1) * gap) ** 2
         turned += (v1 - v0) ** 2
     occluded = occlusion_onset_cost + occlusion_frame_cost * (gap - 1) if gap > 1 else 0.0
-    return 0.5 * (away / var_x + turned / var_v) + 0.15 * d * np.log(var_x / (2 * r)) + occluded
+    return 0.5 * (away / var_x + turned / var_v) + vague * d * np.log(var_x / (2 * r)) + occluded
 
 
 def _speed_variance(n: int, costs: FlowCosts) -> float:
@@ -197,7 +203,9 @@ def _edges(
     low = np.searchsorted(starts, tails.frame + 1)
     high = np.searchsorted(starts, tails.frame + costs.max_occlusion, side="right")
     lasts = np.array([len(node.detection_indices) for node in nodes])
-    worth = np.minimum(costs.occlusion_frame_cost * lasts - total_costs(nodes), 30.0)
+    worth = np.minimum(
+        costs.occlusion_frame_cost * lasts - total_costs(nodes), NETWORK_FLOW.most_worth
+    )
     found = _cheapest(
         tails,
         heads,
@@ -211,6 +219,7 @@ def _edges(
             costs.noise**2,
             costs.occlusion_onset_cost,
             costs.occlusion_frame_cost,
+            NETWORK_FLOW.vague,
         ),
     )
     edges = list(zip(*(part.tolist() for part in found), strict=True))
@@ -226,7 +235,7 @@ def _cheapest(
     owner: np.ndarray,
     worth: np.ndarray,
     links: int,
-    costs: tuple[float, float, float, float],
+    costs: tuple[float, float, float, float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the cheapest links from each tracklet: from, to and cost.
 
@@ -243,7 +252,7 @@ def _cheapest(
     costs : tuple of float
         See :func:`_link_cost`.
     """
-    n, (q, r, occlusion_onset_cost, occlusion_frame_cost) = len(order), costs
+    n, (q, r, onset, each, vague) = len(order), costs
     most = n * (links + int((owner >= 0).sum()))
     tail, head, price = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
     count = 0
@@ -253,7 +262,7 @@ def _cheapest(
         for k in range(len(cost)):
             j = order[low + k]
             cost[k], dear[k] = (
-                _link_cost(tails, heads, i, j, q, r, occlusion_onset_cost, occlusion_frame_cost),
+                _link_cost(tails, heads, i, j, q, r, onset, each, vague),
                 np.inf,
             )
             if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:
@@ -385,7 +394,7 @@ def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.nda
     if x is None or np.abs(x - np.round(x)).max() > 1e-6:
         answer = milp(
             cost, constraints=constraints, bounds=Bounds(0, 1), integrality=np.ones(len(cost)),
-            options={"mip_rel_gap": 1e-4, "time_limit": 60.0},
+            options={"mip_rel_gap": NETWORK_FLOW.solver_gap, "time_limit": _LONGEST_S},
         )  # fmt: skip
         x = answer.x
     return np.asarray(x)

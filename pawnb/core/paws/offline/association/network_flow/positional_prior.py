@@ -15,6 +15,10 @@ from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
 
+_REACH = 1.5
+"""Layout: the distribution holds distances up to so many spans; what is farther is in the
+last bins."""
+
 
 def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
     """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where occluded.
@@ -75,9 +79,19 @@ def learn_positional_prior(
             count = np.bincount(
                 _bin(part, body_scale), minlength=NETWORK_FLOW.positional_prior_bins
             ).astype(float)
-            density = gaussian_filter1d(count, 0.05 * NETWORK_FLOW.positional_prior_bins / 3.0)
+            sd = (
+                NETWORK_FLOW.positional_prior_blur
+                * NETWORK_FLOW.positional_prior_bins
+                / (2 * _REACH)
+            )
+            density = gaussian_filter1d(count, sd)
             density = density / max(density.max(), 1e-9)
-            own.append(np.minimum(-np.log(density + 1e-3), NETWORK_FLOW.positional_prior_most))
+            own.append(
+                np.minimum(
+                    -np.log(density + NETWORK_FLOW.positional_prior_rare),
+                    NETWORK_FLOW.positional_prior_most,
+                )
+            )
         costs.append(own)
     return costs
 
@@ -123,9 +137,11 @@ def positional_cost(
 
 
 def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
-    """Return the bin of positions, from -1.5 to 1.5 spans."""
+    """Return the bin of positions, from -``_REACH`` to ``_REACH`` spans."""
     return np.clip(
-        ((along / body_scale + 1.5) / 3.0 * NETWORK_FLOW.positional_prior_bins).astype(int),
+        ((along / body_scale + _REACH) / (2 * _REACH) * NETWORK_FLOW.positional_prior_bins).astype(
+            int
+        ),
         0,
         NETWORK_FLOW.positional_prior_bins - 1,
     )

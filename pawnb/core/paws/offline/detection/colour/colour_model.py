@@ -144,7 +144,9 @@ def bin_numbers(
         Numbers of bins.
     """
     pixels = (
-        cv2.GaussianBlur(pixels, (3, 3), 0.8) if fine_colours is None else fine_colours.of(pixels)
+        cv2.GaussianBlur(pixels, (3, 3), COLOUR.fine_blur_px)
+        if fine_colours is None
+        else fine_colours.of(pixels)
     )
     if pixels.ndim == 2:
         p = pixels.astype(np.int32)
@@ -164,7 +166,9 @@ def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
 def _features(is_colour: bool, fine_colours: FineColours | None) -> np.ndarray:
     """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
     n = np.arange(_BINS**3)
-    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
+    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * (1 << _SHIFT) + 0.5 * (
+        (1 << _SHIFT) - 1
+    )
     if not is_colour or fine_colours is not None:
         return levels
     lab = cv2.cvtColor((levels[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
@@ -270,7 +274,7 @@ class _Lesson:
         if fine_colours is not None:
             passing = self._passing(ratio, numbers, rest[0])
             limit = max(limit, min(passing, COLOUR.most_limit * usual))
-        gain = COLOUR.colour_model_usual / max(usual - limit, 0.1)
+        gain = COLOUR.colour_model_usual / max(usual - limit, COLOUR.least_margin)
         gain = float(np.clip(gain, 1.0, COLOUR.most_gain))
         table = np.clip(
             (ratio - limit) * gain, -COLOUR.colour_model_limit, COLOUR.colour_model_limit
@@ -352,7 +356,7 @@ def _ratio(
         What the bins are of; see :class:`Appearance`.
     """
     features = _features(is_colour, fine_colours)
-    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [12.0, 12.0, 12.0]) ** 2
+    floor = np.diag(COLOUR.floor_lab if is_colour else COLOUR.floor_grey) ** 2
     if fine_colours is not None:
         floor = fine_colours_floor()
     members = [n[seed] for n, seed in zip(numbers, seeds, strict=True)]
@@ -375,7 +379,8 @@ def _ratio(
             for n, r, seed in zip(numbers, close, seeds, strict=True)
         ]
         members = [
-            n[g] if g.sum() > 9 else old for n, g, old in zip(numbers, grown, members, strict=True)
+            n[g] if g.sum() > COLOUR.fewest_members else old
+            for n, g, old in zip(numbers, grown, members, strict=True)
         ]
     return ratio
 
@@ -405,7 +410,7 @@ def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> n
     """Return the probability of each bin under a Gaussian fitted to some members."""
     middle = np.median(members, axis=0)
     step = members - middle
-    covariance = step.T @ step / max(len(members) - 1, 1) * 1.3 + floor
+    covariance = step.T @ step / max(len(members) - 1, 1) * COLOUR.wider + floor
     away = features - middle
     power = np.einsum("ij,jk,ik->i", away, np.linalg.inv(covariance), away)
     weight = np.exp(-0.5 * power)
@@ -415,5 +420,6 @@ def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> n
 def _histogram(numbers: np.ndarray) -> np.ndarray:
     """Return the smoothed frequency of each bin."""
     count = np.bincount(numbers, minlength=_BINS**3).astype(float)
-    count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), 0.7).ravel()
-    return count / count.sum() * 0.99 + 0.01 / _BINS**3
+    count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), COLOUR.histogram_blur).ravel()
+    even = COLOUR.histogram_even
+    return count / count.sum() * (1.0 - even) + even / _BINS**3
