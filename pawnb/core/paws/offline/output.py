@@ -17,7 +17,7 @@ from pawnb.core.paws.offline.association.in_space import (
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.quality.labels import QualityLimits
+from pawnb.core.paws.offline.quality.labels import LIMITS
 from pawnb.core.paws.offline.quality.measures import CALIBRATED, largest_distance
 from pawnb.core.paws.offline.treadmill.output import keep_rows
 from pawnb.core.paws.request import TrackingRequest
@@ -117,7 +117,7 @@ def _in_space(
     information = np.einsum("npvki,npv,npvkj->npij", J, weight, J)
     variance = np.linalg.inv(information + 1e-12 * np.eye(3)).diagonal(axis1=-2, axis2=-1)
     sure = surest_two(chance)
-    astray = beyond_body(result.xyz, sure, sure=RUN.seen, gate=QualityLimits().beyond)
+    astray = beyond_body(result.xyz, sure, sure=RUN.seen, gate=LIMITS.beyond)
     astray &= sure < 1  # who has placed a point has seen to it
     x = np.where(astray[..., None], np.nan, result.xyz)
     sd = np.where(np.isfinite(x), np.sqrt(np.abs(variance)), np.nan)
@@ -128,7 +128,7 @@ def _one_place_each(x: np.ndarray, chance: np.ndarray) -> np.ndarray:
     """Return what is left of the chance of points (n, P) that share their place in space."""
     spans = np.array([largest_distance(here) for here in x])
     size = float(np.nanmedian(spans)) if np.isfinite(spans).any() else np.nan
-    return shared_places(x, surest_two(chance), QualityLimits().beside * size)
+    return shared_places(x, surest_two(chance), LIMITS.beside * size)
 
 
 def _as_tracks(
