@@ -121,11 +121,11 @@ class PoseTracker:
 POSE_TRACKERS = (
     PoseTracker(
         "pawnb", PoseSettings, track_pose, is_offline=True,
-        stages=("fitting", "rendering", "candidates", "learning", "sequence"),
+        stages=("fitting", "rendering", "candidates", "learning", "sequence", "space_fit"),
         packages=("pawnb.core.pose.fit", "pawnb.core.pose.space"),
     ),
     PoseTracker(
-        "paper", Pullar2009Settings, track_pullar2009, is_offline=False, stages=(),
+        "paper", Pullar2009Settings, track_pullar2009, is_offline=False, stages=("space_fit",),
         packages=("pawnb.core.pose.pullar2009", "pawnb.core.pose.space"),
     ),
 )  # fmt: skip

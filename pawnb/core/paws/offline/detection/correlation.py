@@ -15,12 +15,12 @@ of M places and turns that differ and peaks i. The ratio of likelihoods there is
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.detection.parameters import LEARNT
@@ -157,7 +157,7 @@ def _find_point(
         score = np.nan if at is None else _read(scores, at)
         return _peaks(scores, half, parameters.peaks), score, scores.places
 
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         seen = list(pool.map(look, wanted))
     mean, sd = scores_of_point(np.array([score for _, score, _ in seen]))
     rows = []
