@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import pawnb.core.pose.space.parameters  # noqa: F401  (its stage is known from here on)
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background

@@ -17,8 +17,8 @@ from pawnb.core.paws.offline.association.in_space import (
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.quality.labels import LIMITS
 from pawnb.core.paws.offline.quality.measures import CALIBRATED, largest_distance
+from pawnb.core.paws.offline.quality.parameters import LIMITS
 from pawnb.core.paws.offline.treadmill.output import keep_rows
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks

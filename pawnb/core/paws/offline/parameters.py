@@ -308,6 +308,8 @@ class RunParameters:
     least_sd_px : float
         Standard deviation, px, of an estimate in a view, at least, when views are joined. Set by
         hand.
+    window_rows : int
+        Rows that are tracked at once: they take 2 GB for four points in a view. Set by hand.
     """
 
     agreement_pseudo: float = 4.0
@@ -328,6 +330,7 @@ class RunParameters:
     lost: float = 0.03
     projected: float = 0.9
     least_sd_px: float = 0.3
+    window_rows: int = 1000
 
 
 SCENE = in_force("scene", SceneParameters())

@@ -14,8 +14,8 @@ from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.learnt_run import goes_on, track_learnt
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.quality.assessment import Quality, assess, share_on_one_place
-from pawnb.core.paws.offline.quality.labels import LIMITS
 from pawnb.core.paws.offline.quality.likeness import add_likeness
+from pawnb.core.paws.offline.quality.parameters import LIMITS
 from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings

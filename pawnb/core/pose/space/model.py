@@ -20,8 +20,8 @@ from pawnb.core.rig import Rig
 from pawnb.core.sightlines import find_look_point
 from pawnb.errors import InputError
 
-_SAMPLES = 4001
-"""Numerics: heights that are tried."""
+_SAMPLES, _LOOKED_UP = 4001, 25
+"""Numerics: heights that are tried, in so many frames, evenly spread."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,7 +210,7 @@ def _heights_in_view(
     """Return the range of heights at which the body is in the second picture in most frames."""
     far = IN_SPACE.far_pictures * max(sizes[0]) / px_per_unit(lines.coefs, lines.about)
     heights = np.linspace(-far, far, _SAMPLES)
-    some = xy[:: max(1, len(xy) // 25)]
+    some = xy[:: max(1, len(xy) // _LOOKED_UP)]
     start, direction = lines.lines(some)
     uv = dlt.project(coefs, start[:, None] + heights[:, None] * direction[:, None])[..., 0, :]
     inside = ((uv > -0.5) & (uv < np.array(sizes[1]) - 0.5)).all(axis=-1)

@@ -11,6 +11,7 @@ from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import AssociationParameters
 
 _TINY = 1e-20
+"""Guard: against division by zero."""
 
 
 @dataclass(frozen=True)

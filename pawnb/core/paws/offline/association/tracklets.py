@@ -12,7 +12,9 @@ from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
 _NEIGHBOURS: np.ndarray = np.ones((3, 3), np.uint8)
+"""Layout: the neighbours of a place."""
 _ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
+"""Layout: steps to them."""
 
 
 @dataclass(frozen=True)

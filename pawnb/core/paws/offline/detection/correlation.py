@@ -27,8 +27,9 @@ from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import CorrelationParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
-_TINY, _FLAT, _MOST_LOG = 1e-6, 1e-2, 50.0
-"""Least norm of a patch and variance of grey values: what is flat correlates with nothing."""
+_TINY, _FLAT, _EVEN, _MOST_LOG = 1e-6, 1e-2, 1e-3, 50.0
+"""Guard: least norm of a patch, variance of grey values and standard deviation of scores, as what
+is flat correlates with nothing; largest exponent."""
 
 
 @dataclass(frozen=True)
@@ -209,7 +210,7 @@ def _score(
     others = z[elsewhere]
     if not len(others):
         return None
-    z = (z - others.mean()) / max(float(others.std()), 1e-3)
+    z = (z - others.mean()) / max(float(others.std()), _EVEN)
     return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
 
 

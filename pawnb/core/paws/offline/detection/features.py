@@ -10,8 +10,13 @@ import numpy as np
 
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 
+_SLOPES, _SHADES = 1.5, 32
+"""Mathematics: units of features; each is standardised before anything is learnt from it, so that
+they change nothing."""
 _DIRECTIONS = 8
+"""Layout: directions of a ring."""
 _TURNS = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
+"""Layout: their angles, rad."""
 
 
 @dataclass(frozen=True)
@@ -87,7 +92,12 @@ class PictureFeatures:
         brightness = on_grid(fine)
         gx_grid, gy_grid = on_grid(gx), on_grid(gy)
         maps = _structure(gx, gy, on_grid)
-        maps += [brightness, gx_grid * 1.5, gy_grid * 1.5, _length(gx_grid, gy_grid) * 1.5]
+        maps += [
+            brightness,
+            gx_grid * _SLOPES,
+            gy_grid * _SLOPES,
+            _length(gx_grid, gy_grid) * _SLOPES,
+        ]
         near = on_grid(cv2.GaussianBlur(fine, (0, 0), LEARNT.near_sd_px))
         middle = cv2.GaussianBlur(near, (0, 0), LEARNT.middle_sd_px / spacing)
         far = cv2.GaussianBlur(middle, (0, 0), LEARNT.far_sd_px / spacing)
@@ -103,7 +113,7 @@ class PictureFeatures:
         ]
         for channel in range(0 if colour is None else 2):
             shade = halved(np.ascontiguousarray(colour[..., channel]))  # type: ignore[index]
-            shade = on_grid(shade).astype(np.float32) / 32 - 4
+            shade = on_grid(shade).astype(np.float32) / _SHADES - 4
             smooth = cv2.GaussianBlur(shade, (0, 0), LEARNT.colour_sd_px / spacing)
             self._parts.append(np.stack([shade, smooth]).reshape(2, -1))
             if channel == 0:

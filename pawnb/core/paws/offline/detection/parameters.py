@@ -165,6 +165,21 @@ class ColourParameters:
     stays : float
         Weight, in that of what views tell, of staying where it was in directions that they do not
         tell. Set by hand.
+    curve_score : tuple of float
+        Log-odds of being a paw by ``score``, in that at clicks: knots, and values there. Measured
+        by ``benchmarks/learn_likeness.py`` on 26 rendered scenes.
+    curve_share : tuple of float
+        Log-odds of being a paw by ``share`` of mask: knots, and values there. Measured by
+        ``benchmarks/learn_likeness.py`` on 26 rendered scenes.
+    curve_ahead : tuple of float
+        Log-odds of being a paw by ``ahead``, the cosine with the direction of limbs: knots, and
+        values there. Measured by ``benchmarks/learn_likeness.py`` on 26 rendered scenes.
+    curve_beside : tuple of float
+        Log-odds of being a paw by ``beside``, its sine: knots, and values there. Measured by
+        ``benchmarks/learn_likeness.py`` on 26 rendered scenes.
+    curve_length : tuple of float
+        Log-odds of being a paw by ``length`` from the wider centre to the near one, in paw widths:
+        knots, and values there. Measured by ``benchmarks/learn_likeness.py`` on 26 rendered scenes.
     """
 
     background_samples: int = 32
@@ -235,6 +250,26 @@ class ColourParameters:
     fewest_members: int = 9
     paw_width_ground: float = 20.0
     stays: float = 0.01
+    curve_score: tuple[tuple[float, ...], tuple[float, ...]] = (
+        (-0.5, 0.0, 0.25, 0.5, 0.75, 1.0, 1.3),
+        (-4.9, -4.8, -3.4, -1.1, 1.4, 4.0, 3.5),
+    )
+    curve_share: tuple[tuple[float, ...], tuple[float, ...]] = (
+        (0.04, 0.1, 0.14, 0.18, 0.22, 0.26, 0.3, 0.35, 0.4, 0.5),
+        (-0.9, 0.2, 0.5, 1.7, 0.8, 0.1, -0.5, -1.0, -2.3, -3.8),
+    )
+    curve_ahead: tuple[tuple[float, ...], tuple[float, ...]] = (
+        (-1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 0.85, 1.0),
+        (-4.0, -1.2, -1.0, -1.6, -0.3, 1.5, 0.9, 0.5),
+    )
+    curve_beside: tuple[tuple[float, ...], tuple[float, ...]] = (
+        (-1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0),
+        (-1.9, -0.5, -1.1, -0.1, 0.0, -1.0, -0.8),
+    )
+    curve_length: tuple[tuple[float, ...], tuple[float, ...]] = (
+        (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8),
+        (-0.3, -2.0, -0.3, 1.0, -1.1, -1.5, -0.6, -0.5),
+    )
 
 
 COLOUR = in_force("colour", ColourParameters())

@@ -28,9 +28,9 @@ STEP_EDGES = (1.0, 2.0, 3.0)
 """Definition: steps between these are one kind, in steps that are mostly not reached;
 ``PREDICTIONS.counts_of_steps`` are of these kinds."""
 EXCHANGE = len(STEP_EDGES) + 1
+"""Definition: a further kind of step: places are exchanged with another point."""
 UNKNOWN = EXCHANGE + 1
-"""Definition: further kinds of step: places are exchanged with another point, nothing to step
-from."""
+"""Definition: another one: there is nothing to step from."""
 
 RIGHT, ASTRAY, ELSEWHERE, MISTAKEN = 0, 1, 2, 3
 """Definition: numbers of the states."""

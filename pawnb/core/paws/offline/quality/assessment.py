@@ -20,7 +20,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.parameters import values_in_force
-from pawnb.core.paws.offline.quality.labels import LIMITS, Labels, Measure, QualityLimits
+from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits
 from pawnb.core.paws.offline.quality.measures import (
     CALIBRATED,
     measure_evidence,
@@ -28,7 +28,7 @@ from pawnb.core.paws.offline.quality.measures import (
     read_labels,
 )
 from pawnb.core.paws.offline.quality.one_place import on_one_place_in_space
-from pawnb.core.paws.offline.quality.parameters import QUALITY
+from pawnb.core.paws.offline.quality.parameters import LIMITS, QUALITY
 from pawnb.core.paws.offline.quality.time_gaps import TimeGap, find_time_gaps
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray
-from pawnb.core.parameters import in_force
 from pawnb.schema import ORIGIN_CODE
 
 
@@ -53,10 +52,6 @@ class QualityLimits:
     beside_s: float = 0.25
     beside_in_space: float = 0.12
     beside_in_space_s: float = 0.05
-
-
-LIMITS = in_force("quality_limits", QualityLimits())
-"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
 
 
 @dataclass(frozen=True)

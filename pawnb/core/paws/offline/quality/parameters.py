@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from pawnb.core.parameters import in_force
+from pawnb.core.paws.offline.quality.labels import QualityLimits
 
 
 @dataclass(frozen=True)
@@ -124,3 +125,5 @@ class QualityParameters:
 
 QUALITY = in_force("quality", QualityParameters())
 """The values in force; see :func:`pawnb.core.parameters.in_force`."""
+LIMITS = in_force("quality_limits", QualityLimits())
+"""The same."""

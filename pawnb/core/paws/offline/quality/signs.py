@@ -20,7 +20,8 @@ SIGNS = {
     "motion": 1, "look": 1, "look_along": 1, "broken": -1, "usual_look": 1,
     "left_out": 1,
 }  # fmt: skip
-"""The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
+"""Definition: the columns of :meth:`Signs.columns`, and whether each speaks for a label or against
+it."""
 
 
 @dataclass(frozen=True)

@@ -107,7 +107,9 @@ def _differences(pictures: np.ndarray, camera: CameraMotion) -> Iterator[np.ndar
 
 def _threshold(apart: np.ndarray, clicked: np.ndarray, row: int, extent: float) -> float:
     """Return the difference from which on a pixel is foreground: half that about the clicks."""
-    noise = float(np.median(np.median(apart[:: max(1, len(apart) // 20)], axis=(1, 2))))
+    noise = float(
+        np.median(np.median(apart[:: max(1, len(apart) // CAMERA.noise_frames)], axis=(1, 2)))
+    )
     hull: np.ndarray = np.zeros(apart.shape[1:], np.uint8)
     cv2.fillConvexPoly(hull, cv2.convexHull(clicked.astype(np.float32)).astype(np.int32), 1)
     hull = cv2.dilate(hull, np.ones((int(CAMERA.blob_hull * extent) | 1,) * 2, np.uint8))

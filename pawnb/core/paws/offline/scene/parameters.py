@@ -201,6 +201,9 @@ class RegistrationParameters:
         Percentiles of grey values that become black and white. Set by hand.
     gamma : float
         Power of grey values: dark animals are seen more clearly. Set by hand.
+    noise_frames : int
+        Frames, evenly spread, of whose differences from the background the median is the noise. Set
+        by hand.
     """
 
     body_side_px: int = 48
@@ -251,6 +254,7 @@ class RegistrationParameters:
     background_apart: int = 8
     percentiles: tuple[float, float] = (1.0, 99.8)
     gamma: float = 0.7
+    noise_frames: int = 20
 
 
 CAMERA = in_force("registration", RegistrationParameters())

@@ -18,9 +18,10 @@ from pawnb.core.paws.offline.scene.body_frame import BodyFrame, find_body_frame
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 _KEPT_BYTES = 2e9
-"""Pictures are kept until the body's frame is known, up to so much: those of 1000 frames of four
-colour views of 2048 x 700 px in which the animal is 700 px long."""
+"""Resource: pictures are kept until the body's frame is known, up to so much: those of 1000 frames
+of four colour views of 2048 x 700 px in which the animal is 700 px long."""
 _NOTHING = np.empty((0, 0), np.uint8)
+"""Layout: a picture whose memory was given back."""
 
 
 @dataclass(frozen=True)

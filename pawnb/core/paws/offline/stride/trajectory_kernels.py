@@ -9,7 +9,8 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _H, _H_SHAPE = 0.05, 0.02
-"""Steps over which it is measured how an arc changes, by differences: frames, and exponents."""
+"""Numerics: steps over which it is measured how an arc changes, by differences: frames, and
+exponents."""
 
 
 class SwingErrors(NamedTuple):

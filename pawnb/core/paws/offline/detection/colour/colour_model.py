@@ -35,9 +35,11 @@ from pawnb.core.paws.offline.detection.parameters import COLOUR
 from pawnb.core.pixels.masks import dilate, disk_mask, region_grow
 
 _BINS = 32
-"""Steps of each channel in a table of colours."""
+"""Layout: steps of each channel in a table of colours."""
+_FILTERS = 8
+"""Layout: px beside what is looked at that filters see."""
 _SHIFT = 3
-"""Bits by which 256 levels are reduced to these steps."""
+"""Layout: bits by which 256 levels are reduced to these steps."""
 
 
 @dataclass(frozen=True)
@@ -387,7 +389,7 @@ def _ratio(
 
 def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the part of a picture that the clicks' surroundings cover, and clicks in it."""
-    margin = reach + 8  # filters see a little farther
+    margin = reach + _FILTERS
     low = np.maximum(np.floor(clicks.min(axis=0)).astype(int) - margin, 0)
     high = np.ceil(clicks.max(axis=0)).astype(int) + margin + 1
     return picture[low[1] : high[1], low[0] : high[0]], clicks - low

@@ -22,9 +22,10 @@ import numpy as np
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _BRIGHTER, _REDDER, _BLUER = (0.30, 0.59, 0.11), (1.0, -1.0, 0.0), (-0.5, -0.5, 1.0)
-"""Axes of colour: luminance (ITU-R BT.601), red against green, and blue against both."""
+"""Definition: axes of colour: luminance (ITU-R BT.601), red against green, and blue against
+both."""
 _MIDDLE = 127.5
-"""The middle of 256 levels."""
+"""Mathematics: the middle of 256 levels."""
 
 
 @dataclass(frozen=True)

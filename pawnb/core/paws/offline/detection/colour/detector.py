@@ -22,7 +22,7 @@ from pawnb.core.paws.offline.detection.colour.illumination import normalise_illu
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _NO_LIMITS = np.empty((0, 3))
-"""No line bounds where detections lie."""
+"""Layout: no line bounds where detections lie."""
 
 
 @dataclass(frozen=True)

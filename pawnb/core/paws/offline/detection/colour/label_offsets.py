@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _NEVER = -1e6
-"""Score of what is never taken."""
+"""Guard: score of what is never taken."""
 
 
 @dataclass(frozen=True)
