@@ -223,8 +223,9 @@ def reasons_of(package: str) -> list[Reason]:
         for node, after in itertools.zip_longest(body, body[1:]):
             names = tuple(name for name in _assigned(ast.unparse(node)) if name in values)
             if names:
-                is_said = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
-                said = " ".join(str(after.value.value).split()) if is_said else ""
+                said = ""
+                if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+                    said = " ".join(str(after.value.value).split())
                 kind, _, text = said.partition(": ")
                 found.append(Reason(module, names, kind if text else "", text or said))
     return found

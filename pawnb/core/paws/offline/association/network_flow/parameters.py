@@ -225,7 +225,7 @@ class NetworkFlowParameters:
     kinds_quantiles: tuple[float, ...] = (0.75, 0.25)
     gate: float = 16.0
     clear: float = 5.0
-    clear_near: tuple[float, ...] = (4.0, 0.3)
+    clear_near: tuple[float, float] = (4.0, 0.3)
     unlike: float = 1.5
     support_reach: float = 0.6
     tolerance: float = 0.8
