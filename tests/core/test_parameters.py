@@ -86,6 +86,7 @@ def modules():
             yield path, ast.parse(path.read_text("utf-8"))
 
 
+@pytest.mark.slow
 def test_a_named_number_beside_the_parameters_says_why_it_is_none():
     """Every other one is a parameter of its stage: ``pawnb.core.parameters.reasons_of``."""
     found = [
@@ -156,6 +157,7 @@ def bare_numbers(node):
         yield from bare_numbers(part)
 
 
+@pytest.mark.slow
 def test_no_function_of_the_default_trackers_holds_a_bare_tunable():
     """Whoever has to choose a number gives it a name, a unit and evidence."""
     found = set()
@@ -175,6 +177,7 @@ def test_no_function_of_the_default_trackers_holds_a_bare_tunable():
     assert found == set()
 
 
+@pytest.mark.slow
 def test_threads_of_the_trackers_have_the_values_that_are_in_force():
     """A plain ThreadPoolExecutor would work with the defaults whatever is set."""
     plain = [p.name for p, code in modules() if "ThreadPoolExecutor" in ast.dump(code)]
