@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_gap_closing import known_state
+from pipeline_states import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.clutter.wrist_decoys import follow_wrist_decoys
