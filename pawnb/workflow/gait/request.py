@@ -85,7 +85,30 @@ def record_of(
     command: Sequence[str] | None,
     again: Again | None,
 ) -> dict[str, Any]:
-    """Return the record of this run: all that is needed to make its files again."""
+    """Return the record of a run: all that is needed to make its files again.
+
+    Parameters
+    ----------
+    request : GaitRequest
+        What was asked for.
+    sources : sequence of GaitSource
+        What was analysed.
+    edits : sequence of Path
+        Corrections of events that were in force.
+    tables : GaitTables
+        What was found.
+    study : Study, optional
+        The study that named the sources.
+    command : sequence of str, optional
+        The command line.
+    again : Again, optional
+        What is taken over from a run that is made again.
+
+    Returns
+    -------
+    dict
+        The step for the provenance.
+    """
     given = [source.given for source in sources] if study is None else [study.path]
     inputs = [*given, *(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
     inputs += [one.path for one in study.species] if study is not None else []

@@ -111,7 +111,22 @@ def _speed_variance(n: int, costs: FlowCosts) -> float:
 def links_between(
     nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
-    """Return the links (from, to, cost) worth considering."""
+    """Return the links worth considering.
+
+    Parameters
+    ----------
+    nodes : sequence of Tracklet
+        Tracklets, and the anchors of all points.
+    owner : ndarray of int, shape (n,)
+        Point whose anchor each is, -1 for a tracklet.
+    costs : FlowCosts
+        What paths cost.
+
+    Returns
+    -------
+    list of tuple
+        From, to and cost of each.
+    """
     heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
     order = np.argsort(heads.frame, kind="stable")
     starts = heads.frame[order]
@@ -208,9 +223,21 @@ def _long_links(
 
 
 def first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[int, int, float]]:
-    """Return the links (from, to, cost) of a point that may begin with any early tracklet.
+    """Return the links of a point that may begin with any early tracklet.
 
-    ``first`` (tracklets,) are their first frames.
+    Parameters
+    ----------
+    first : ndarray of int, shape (tracklets,)
+        Their first frames.
+    begin : int
+        The node at which the point begins.
+    costs : FlowCosts
+        What paths cost.
+
+    Returns
+    -------
+    list of tuple
+        From, to and cost of each.
     """
     return [
         (begin, i, costs.occlusion_onset_cost + costs.occlusion_frame_cost * (frames - 1))
@@ -219,12 +246,27 @@ def first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[i
 
 
 def links_back(
-    first: np.ndarray, begin: int, ahead: Sequence[int], costs: FlowCosts
+    first: np.ndarray, begin: int, ahead: Sequence[int], *, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
-    """Return the links (from, to, cost) of a point of which nothing is known in frame 0.
+    """Return the links of a point of which nothing is known in frame 0.
 
-    It may begin with any of the nodes ``ahead``, whose first frames are ``first``. To be occluded
-    before costs as much as to be occluded after the last.
+    To be occluded before costs as much as to be occluded after the last.
+
+    Parameters
+    ----------
+    first : ndarray of int, shape (k,)
+        The first frames of nodes with which it may begin.
+    begin : int
+        The node at which the point begins.
+    ahead : sequence of int
+        These nodes.
+    costs : FlowCosts
+        What paths cost.
+
+    Returns
+    -------
+    list of tuple
+        From, to and cost of each.
     """
     cost = np.where(first > 0, costs.occlusion_onset_cost + costs.occlusion_frame_cost * first, 0.0)
     return [(begin, i, own) for i, own in zip(ahead, cost.tolist(), strict=True)]

@@ -76,7 +76,7 @@ class MinCostFlow:
             # an unlabelled target is there with those that are placed
             start, links = 0, first_links(first, begin, self.costs)
         else:
-            start, links = -1, links_back(first, begin, ahead, self.costs)
+            start, links = -1, links_back(first, begin, ahead, costs=self.costs)
         nowhere = np.zeros((1, len(self.costs.substrate_velocity)))
         self.nodes.append(Tracklet(start, [-2], nowhere, np.zeros(1)))
         self.owner = np.append(self.owner, point)

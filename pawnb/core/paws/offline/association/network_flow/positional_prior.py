@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
     lateral_cost,
 )
@@ -141,12 +142,30 @@ def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
     )
 
 
-def start_prior(
-    tracklets: Sequence[Tracklet], usual: Sequence[np.ndarray], anchors: Anchors, scene: Scene
-) -> np.ndarray:
-    """Return the cost (P, tracklets) of being far from where a point is before all tracking.
+def first_positional_cost(
+    tracklets: Sequence[Tracklet],
+    usual: Sequence[FloatArray],
+    anchors: Anchors,
+    *,
+    scene: Scene,
+) -> FloatArray:
+    """Return the cost of being far from where each point is before all tracking.
 
-    ``usual`` has for each point where those of its kind are along forward, (n,), or nothing.
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        The tracklets.
+    usual : sequence of ndarray, shape (n,)
+        For each point, where those of its kind are along forward, see :func:`where_kinds_are`.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+
+    Returns
+    -------
+    ndarray, shape (P, tracklets)
+        Costs.
     """
     cost = np.zeros((len(usual), len(tracklets)))
     if not tracklets:

@@ -17,10 +17,10 @@ from pawnb.core.paws.offline.association.network_flow.links import FlowCosts
 from pawnb.core.paws.offline.association.network_flow.min_cost_flow import MinCostFlow
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.positional_prior import (
+    first_positional_cost,
     follow_body,
     learn_positional_prior,
     positional_cost,
-    start_prior,
     where_kinds_are,
 )
 from pawnb.core.paws.offline.association.network_flow.splitting import (
@@ -206,7 +206,7 @@ class TrackletAssociator:
         ndarray, shape (n, P, d)
             The chosen places, NaN where occluded.
         """
-        start = start_prior(self.tracklets, self._usual, self.anchors, self.scene)
+        start = first_positional_cost(self.tracklets, self._usual, self.anchors, scene=self.scene)
         nowhere = np.zeros((self.shape[0], self.shape[2]))
         start += near_side_cost(
             self.tracklets, self.anchors, self.scene, body=nowhere, kinds=self.kinds
