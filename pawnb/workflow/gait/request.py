@@ -54,7 +54,7 @@ class GaitRequest:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Again:
+class TakenOver:
     """What a run takes over when results are made again, for their record to be the same.
 
     Parameters
@@ -83,7 +83,7 @@ def record_of(
     tables: GaitTables,
     study: Study | None,
     command: Sequence[str] | None,
-    again: Again | None,
+    again: TakenOver | None,
 ) -> dict[str, Any]:
     """Return the record of a run: all that is needed to make its files again.
 
@@ -101,7 +101,7 @@ def record_of(
         The study that named the sources.
     command : sequence of str, optional
         The command line.
-    again : Again, optional
+    again : TakenOver, optional
         What is taken over from a run that is made again.
 
     Returns

@@ -28,7 +28,7 @@ from pawnb.workflow.gait.inputs import (
     who_is_who,
 )
 from pawnb.workflow.gait.overview_drawings import overview_drawings
-from pawnb.workflow.gait.request import Again, GaitRequest, Legs, record_of
+from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
 from pawnb.workflow.gait.sources import GaitSource
@@ -184,7 +184,7 @@ def carry_out(
     *,
     out: str | Path | None = None,
     command: Sequence[str] | None = None,
-    again: Again | None = None,
+    again: TakenOver | None = None,
 ) -> GaitRun:
     """Analyse the gait of what a request names.
 
@@ -194,7 +194,7 @@ def carry_out(
         What is asked for.
     out, command
         As for :func:`run_gait`.
-    again : Again, optional
+    again : TakenOver, optional
         What is taken over from a run that is made again.
 
     Returns

@@ -51,7 +51,7 @@ class FlowCosts:
     max_successors: int
 
 
-class _Ends(NamedTuple):
+class _TrackletEnds(NamedTuple):
     """Position, speed and its variance at one end of every tracklet."""
 
     frame: np.ndarray  # (n,)
@@ -60,7 +60,7 @@ class _Ends(NamedTuple):
     var: np.ndarray  # (n,)
 
     @classmethod
-    def of(cls, nodes: Sequence[Tracklet], costs: FlowCosts, *, head: bool) -> _Ends:
+    def of(cls, nodes: Sequence[Tracklet], costs: FlowCosts, *, head: bool) -> _TrackletEnds:
         """Take the first or the last end of every tracklet."""
         ends = [node.end(costs.substrate_velocity, head=head) for node in nodes]
         return cls(
@@ -73,8 +73,8 @@ class _Ends(NamedTuple):
 
 @compiled
 def _link_cost(
-    tails: _Ends,
-    heads: _Ends,
+    tails: _TrackletEnds,
+    heads: _TrackletEnds,
     i: int,
     j: int,
     q: float,
@@ -127,7 +127,10 @@ def links_between(
     list of tuple
         From, to and cost of each.
     """
-    heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
+    heads, tails = (
+        _TrackletEnds.of(nodes, costs, head=True),
+        _TrackletEnds.of(nodes, costs, head=False),
+    )
     order = np.argsort(heads.frame, kind="stable")
     starts = heads.frame[order]
     low = np.searchsorted(starts, tails.frame + 1)
@@ -155,8 +158,8 @@ def links_between(
 
 @compiled
 def _cheapest(
-    tails: _Ends,
-    heads: _Ends,
+    tails: _TrackletEnds,
+    heads: _TrackletEnds,
     order: np.ndarray,
     within: np.ndarray,
     owner: np.ndarray,
@@ -168,7 +171,7 @@ def _cheapest(
 
     Parameters
     ----------
-    tails, heads : _Ends
+    tails, heads : _TrackletEnds
         Where tracklets end and begin.
     order, within : ndarray of int, shape (n,) and (n, 2)
         Tracklets in the order of their first frames, and which of these may follow each.
