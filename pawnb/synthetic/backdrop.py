@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import Float32Array, FloatArray
-from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.camera import PinholeCamera
 from pawnb.synthetic.scene import SceneSettings
 
 BELT_HALF_WIDTH_MM = 60.0
@@ -93,12 +93,12 @@ def _periodic_blur(image: np.ndarray, across: float, along: float) -> FloatArray
     return np.fft.irfft2(np.fft.rfft2(image) * damp, s=image.shape)
 
 
-def make_backdrop(camera: Camera, settings: SceneSettings) -> Backdrop:
+def make_backdrop(camera: PinholeCamera, settings: SceneSettings) -> Backdrop:
     """Paint one view without the animal.
 
     Parameters
     ----------
-    camera : Camera
+    camera : PinholeCamera
         The view.
     settings : SceneSettings
         Size, colours, light.
@@ -184,7 +184,7 @@ def _deck_colour(
 
 
 def _curtain(
-    camera: Camera, rays: Float32Array, settings: SceneSettings, rng: np.random.Generator
+    camera: PinholeCamera, rays: Float32Array, settings: SceneSettings, rng: np.random.Generator
 ) -> FloatArray:
     """Paint the curtains: soft vertical folds, a few dark gaps, darker towards the floor."""
     plane = -camera.side * _CURTAIN_MM
@@ -238,12 +238,12 @@ def _upright(x: float, y: float, thickness: float, top: float) -> Quad:
     return np.array([[a, y, 0.0], [b, y, 0.0], [b, y, top], [a, y, top]])
 
 
-def fill_quad(camera: Camera, quad: Quad, shape: tuple[int, int]) -> Float32Array:
+def fill_quad(camera: PinholeCamera, quad: Quad, shape: tuple[int, int]) -> Float32Array:
     """Return the share of each pixel of a picture (h, w) that a quadrilateral in 3D covers.
 
     Parameters
     ----------
-    camera : Camera
+    camera : PinholeCamera
         The camera.
     quad : Quad
         Four corners in space, mm.

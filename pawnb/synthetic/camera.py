@@ -28,7 +28,7 @@ _LOOK_AT_FROM_BELOW = np.array([0.0, 0.0, 8.0])
 
 
 @dataclass(frozen=True)
-class Camera:
+class PinholeCamera:
     """A perspective camera without distortion.
 
     Attributes
@@ -66,7 +66,7 @@ class Camera:
         return pixels @ inverse.T
 
 
-def make_cameras(settings: SceneSettings) -> list[Camera]:
+def make_cameras(settings: SceneSettings) -> list[PinholeCamera]:
     """Set up the cameras: two on the side of -Y, two on the side of +Y, of which some are used.
 
     Below a belt of glass the first looks nearly straight up, the others more from the sides.
@@ -97,7 +97,7 @@ def make_cameras(settings: SceneSettings) -> list[Camera]:
         resample = np.array([[s, 0, 0.5 * s - 0.5], [0, s, 0.5 * s - 0.5], [0, 0, 1]])
         centre = target + distance * away
         side = 0 if settings.below else side
-        cameras.append(Camera(name=name, centre=centre, matrix=resample @ matrix, side=side))
+        cameras.append(PinholeCamera(name=name, centre=centre, matrix=resample @ matrix, side=side))
     return cameras[: settings.n_views]
 
 

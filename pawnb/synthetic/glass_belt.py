@@ -15,7 +15,7 @@ from pawnb.synthetic.backdrop import (
     Panel,
     fill_quad,
 )
-from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.camera import PinholeCamera
 from pawnb.synthetic.scene import SceneSettings
 
 _CEILING_MM = 700.0
@@ -25,7 +25,7 @@ _FRAME_MM = 14.0
 _LAMP_IMAGES = 3
 
 
-def make_glass_backdrop(camera: Camera, settings: SceneSettings) -> Backdrop:
+def make_glass_backdrop(camera: PinholeCamera, settings: SceneSettings) -> Backdrop:
     """Paint one view from below without the animal.
 
     The belt lies before the animal: ``rows`` are all rows, and ``belt`` is the share of a pixel

@@ -15,7 +15,7 @@ from pawnb.synthetic.backdrop import (
     WALL_MM,
     fill_quad,
 )
-from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.camera import PinholeCamera
 from pawnb.synthetic.scene import SceneSettings
 from pawnb.synthetic.surfaces import Mesh
 
@@ -49,7 +49,7 @@ class Mirror:
         return dataclasses.replace(mesh, vertices=vertices, normals=normals, faces=faces)
 
 
-def find_mirrors(camera: Camera, settings: SceneSettings) -> list[Mirror]:
+def find_mirrors(camera: PinholeCamera, settings: SceneSettings) -> list[Mirror]:
     """Return what a camera beside the treadmill sees the animal in: the far wall, and the belt."""
     if settings.reflections == 0.0:
         return []

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from pawnb.files import whole_file
-from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.camera import PinholeCamera
 from pawnb.synthetic.colour_video import H264VideoWriter, JpegVideoWriter
 from pawnb.synthetic.grey_video import GreyVideoWriter
 from pawnb.synthetic.lamps import cast_shadow
@@ -32,7 +32,7 @@ _MOMENTS = (3, 15)
 and at most, an odd number, so that the middle one is that of the frame."""
 
 
-def video_name(camera: Camera, scene: SceneSettings) -> str:
+def video_name(camera: PinholeCamera, scene: SceneSettings) -> str:
     """Return the file name of a view's video."""
     return f"{camera.name}.{'avi' if scene.crf is None else 'mp4'}"
 
@@ -40,7 +40,7 @@ def video_name(camera: Camera, scene: SceneSettings) -> str:
 def render_videos(
     folder: Path,
     mouse: Mouse,
-    cameras: list[Camera],
+    cameras: list[PinholeCamera],
     *,
     scene: SceneSettings,
     begin_s: float,
@@ -57,7 +57,7 @@ def render_videos(
         Where the videos are written.
     mouse : Mouse
         The animal.
-    cameras : list of Camera
+    cameras : list of PinholeCamera
         One a view.
     scene : SceneSettings
         The scene.

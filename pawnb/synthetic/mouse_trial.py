@@ -12,7 +12,7 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.io.tables import write_text
-from pawnb.synthetic.camera import Camera, make_cameras
+from pawnb.synthetic.camera import PinholeCamera, make_cameras
 from pawnb.synthetic.gait_model import Gait, plan_gait
 from pawnb.synthetic.mouse import Mouse
 from pawnb.synthetic.mouse_film import Progress, render_videos, video_name
@@ -132,7 +132,7 @@ def render_mouse_trial(
     return save_trial(trial, folder / "trial.toml")
 
 
-def tracked_legs(camera: Camera, settings: SceneSettings) -> tuple[str, ...]:
+def tracked_legs(camera: PinholeCamera, settings: SceneSettings) -> tuple[str, ...]:
     """Return the legs on the side of the animal that a camera sees; from below all of them."""
     if camera.side == 0:
         return LEGS
@@ -174,7 +174,7 @@ def find_start(mouse: Mouse, gait: Gait, settings: SceneSettings) -> float:
     return best_s
 
 
-def _describe(folder: Path, scene: SceneSettings, cameras: list[Camera], name: str) -> Trial:
+def _describe(folder: Path, scene: SceneSettings, cameras: list[PinholeCamera], name: str) -> Trial:
     """Describe the recording as a trial."""
     return Trial(
         kind="paws",

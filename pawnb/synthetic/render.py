@@ -16,7 +16,7 @@ from pawnb.synthetic.backdrop import (
     make_backdrop,
     make_belt,
 )
-from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.camera import PinholeCamera
 from pawnb.synthetic.glass_belt import make_glass_backdrop
 from pawnb.synthetic.lamps import Shadow, brightness, lamp_direction
 from pawnb.synthetic.mirrors import find_mirrors
@@ -50,7 +50,7 @@ class ViewRenderer:
 
     Parameters
     ----------
-    camera : Camera
+    camera : PinholeCamera
         The view.
     settings : SceneSettings
         Colours, light, noise.
@@ -58,7 +58,7 @@ class ViewRenderer:
         Place of the view among the views; part of the seed of its noise.
     """
 
-    def __init__(self, camera: Camera, settings: SceneSettings, number: int) -> None:
+    def __init__(self, camera: PinholeCamera, settings: SceneSettings, number: int) -> None:
         self._camera = camera
         self._settings = settings
         self._number = number
@@ -231,14 +231,14 @@ class ViewRenderer:
         return np.clip(noise, 0.0, 255.0, out=noise).astype(np.uint8)
 
 
-def cover(mesh: Mesh, camera: Camera, settings: SceneSettings) -> _Coverage:
+def cover(mesh: Mesh, camera: PinholeCamera, settings: SceneSettings) -> _Coverage:
     """Find which triangles of the animal cover which samples of a view.
 
     Parameters
     ----------
     mesh : Mesh
         The animal.
-    camera : Camera
+    camera : PinholeCamera
         The view.
     settings : SceneSettings
         The scene, for the number of samples.

@@ -11,8 +11,8 @@ import numpy as np
 from pawnb.arrays import ByteArray, Float32Array
 from pawnb.synthetic.grey_video import GreyVideoWriter
 from pawnb.synthetic.spider_paint import Shade, SpiderPainter
-from pawnb.synthetic.spider_panel import Shadow, paint_panel, wall_rows
-from pawnb.synthetic.spider_recording import Recording
+from pawnb.synthetic.spider_panel import DriftingShade, paint_panel, wall_rows
+from pawnb.synthetic.spider_recording import SpiderRecording
 from pawnb.synthetic.spider_scene import FPS, SpiderScene
 from pawnb.synthetic.spider_side import SideView
 
@@ -24,7 +24,7 @@ _REACH_MM = 16.0
 
 
 def render_video(
-    path: Path, recording: Recording, *, views: int, progress: Progress | None
+    path: Path, recording: SpiderRecording, *, views: int, progress: Progress | None
 ) -> None:
     """Paint all frames in order and write them to a video.
 
@@ -32,7 +32,7 @@ def render_video(
     ----------
     path : Path
         The video.
-    recording : Recording
+    recording : SpiderRecording
         What happens.
     views : int
         2 paints the side view too.
@@ -42,7 +42,7 @@ def render_video(
     scene = recording.scene
     painter = SpiderPainter(scene, recording.individual)
     side = SideView(recording) if views == 2 else None
-    panel, shadow = paint_panel(scene), Shadow(scene)
+    panel, shadow = paint_panel(scene), DriftingShade(scene)
     if side is not None:
         side.paint_backdrop(panel)
     sensor = _Sensor(scene)

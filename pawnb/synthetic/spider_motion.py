@@ -45,7 +45,7 @@ _REACH = (0.645, 0.908)
 
 
 @dataclass(frozen=True)
-class BodyMotion:
+class BodyWander:
     """Place and heading of the body over time.
 
     Attributes
@@ -156,7 +156,7 @@ class SpiderMotion:
 
     Attributes
     ----------
-    body : BodyMotion
+    body : BodyWander
         The body.
     feet : dict of str to FootMotion
         The feet by leg.
@@ -168,7 +168,7 @@ class SpiderMotion:
         Means of the gait.
     """
 
-    body: BodyMotion
+    body: BodyWander
     feet: dict[str, FootMotion]
     coxae_mm: dict[str, np.ndarray]
     side: dict[str, int]
@@ -187,7 +187,7 @@ class SpiderMotion:
 
     def shifted(self, by_mm: FloatArray) -> SpiderMotion:
         """Return the same motion elsewhere in the arena."""
-        body = BodyMotion(
+        body = BodyWander(
             self.body.start_mm + by_mm,
             self.body.velocity_mm_s,
             self.body.heading_deg,
@@ -242,7 +242,7 @@ def plan_motion(scene: SpiderScene, individual: Individual, *, duration_s: float
 
 def _plan_body(
     scene: SpiderScene, rng: np.random.Generator, gait: tuple[float, float]
-) -> BodyMotion:
+) -> BodyWander:
     """Draw a nearly straight run with slow changes and waves locked to the stride."""
     speed, frequency = gait
     towards = 1 if rng.random() < 0.5 else -1
@@ -259,7 +259,7 @@ def _plan_body(
     }
     off_centre = rng.uniform(*scene.off_centre_mm) * (1 if rng.random() < 0.5 else -1)
     middle = FULL_HEIGHT / PX_PER_MM / 2.0 + off_centre
-    return BodyMotion(
+    return BodyWander(
         start_mm=np.array([0.0, middle]),
         velocity_mm_s=speed * np.array([np.cos(direction), 0.3 * np.sin(direction)]),
         heading_deg=course,
@@ -272,7 +272,7 @@ def _plan_foot(
     rng: np.random.Generator,
     plan: tuple[float, float, float, float],
     *,
-    body: BodyMotion,
+    body: BodyWander,
     leg: Leg,
     size: float,
 ) -> FootMotion:

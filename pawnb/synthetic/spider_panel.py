@@ -147,7 +147,7 @@ def _walls(beyond: Float32Array) -> Float32Array:
     return np.asarray(1.0 - dark + bright, dtype=np.float32)
 
 
-class Shadow:
+class DriftingShade:
     """A soft band of shade that drifts over the panel.
 
     Parameters

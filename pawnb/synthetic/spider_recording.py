@@ -28,7 +28,7 @@ _MARGIN_MM = 2.5
 
 
 @dataclass(frozen=True)
-class Recording:
+class SpiderRecording:
     """What happens in a recording, in the n frames with the animal.
 
     Attributes
@@ -67,7 +67,7 @@ class Recording:
         return np.asarray(values[:, values.shape[1] // 2])
 
 
-def record_spider(scene: SpiderScene, individual: Individual, frames: int) -> Recording:
+def record_spider(scene: SpiderScene, individual: Individual, frames: int) -> SpiderRecording:
     """Plan the run and lay out every frame.
 
     Parameters
@@ -81,7 +81,7 @@ def record_spider(scene: SpiderScene, individual: Individual, frames: int) -> Re
 
     Returns
     -------
-    Recording
+    SpiderRecording
         Everything but the pictures.
 
     Raises
@@ -119,7 +119,7 @@ def record_spider(scene: SpiderScene, individual: Individual, frames: int) -> Re
         raise InputError(
             f"in {frames} frames the animal is never wholly in view; render more, for instance 120."
         )
-    return Recording(
+    return SpiderRecording(
         scene=scene,
         individual=individual,
         motion=motion,

@@ -15,7 +15,7 @@ from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.schema import POINTS3D_COLUMNS
 from pawnb.synthetic.spider_cuticle import BODY_DENSITY, DENSITY_STEP
 from pawnb.synthetic.spider_paint import Shade, SpiderPainter
-from pawnb.synthetic.spider_recording import Recording
+from pawnb.synthetic.spider_recording import SpiderRecording
 from pawnb.synthetic.spider_scene import FULL_HEIGHT, PX_PER_MM, Individual, SpiderScene
 
 _SHIFT = 4
@@ -71,13 +71,13 @@ def dlt_coefs(scene: SpiderScene) -> FloatArray:
 
 
 def points3d_truth(
-    recording: Recording, names: tuple[str, ...], *, points: FloatArray, heights: FloatArray
+    recording: SpiderRecording, names: tuple[str, ...], *, points: FloatArray, heights: FloatArray
 ) -> pd.DataFrame:
     """Return the columns of points3d.csv in the space of :func:`dlt_coefs`.
 
     Parameters
     ----------
-    recording : Recording
+    recording : SpiderRecording
         What is filmed.
     names : tuple of str
         Points.
@@ -114,11 +114,11 @@ class SideView:
 
     Parameters
     ----------
-    recording : Recording
+    recording : SpiderRecording
         What happens.
     """
 
-    def __init__(self, recording: Recording) -> None:
+    def __init__(self, recording: SpiderRecording) -> None:
         scene = recording.scene
         self._recording, self._scene = recording, scene
         body = SideBody(scene, recording.individual)

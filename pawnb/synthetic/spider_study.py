@@ -22,7 +22,7 @@ from pawnb.core.pose.track_result import PoseTrack
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.synthetic.spider_motion import SpiderMotion
-from pawnb.synthetic.spider_recording import Recording, record_spider
+from pawnb.synthetic.spider_recording import SpiderRecording, record_spider
 from pawnb.synthetic.spider_scene import (
     FPS,
     FULL_WIDTH,
@@ -58,7 +58,7 @@ class SpiderRun:
     ----------
     trial : Trial
         Name, frame rate, animal and scale.
-    recording : Recording
+    recording : SpiderRecording
         Everything that happened.
     events, phases, strides, pose : pandas.DataFrame
         The truth: ``EVENTS_COLUMNS`` and ``PHASES_COLUMNS`` of the continuous motion; strides
@@ -68,7 +68,7 @@ class SpiderRun:
     """
 
     trial: Trial
-    recording: Recording
+    recording: SpiderRecording
     events: pd.DataFrame
     phases: pd.DataFrame
     strides: pd.DataFrame

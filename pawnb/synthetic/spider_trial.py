@@ -13,7 +13,7 @@ from pawnb.files import whole_file
 from pawnb.io.tables import write_text
 from pawnb.schema import EVENTS_COLUMNS
 from pawnb.synthetic.spider_film import Progress, render_video
-from pawnb.synthetic.spider_recording import Recording, record_spider
+from pawnb.synthetic.spider_recording import SpiderRecording, record_spider
 from pawnb.synthetic.spider_scene import FPS, SPECIES, draw_individual, spider_scene
 from pawnb.synthetic.spider_side import dlt_coefs, points3d_truth, split_row, to_side
 from pawnb.synthetic.spider_truth import (
@@ -112,7 +112,7 @@ def render_spider_trial(
     return save_trial(trial, folder / "trial.toml")
 
 
-def _tables(recording: Recording, trial: Trial) -> dict[str, pd.DataFrame]:
+def _tables(recording: SpiderRecording, trial: Trial) -> dict[str, pd.DataFrame]:
     """Return the start pose and the truth."""
     scene, animal = recording.scene, recording.individual.animal
     poses, whole = recording.poses, recording.poses.frames[recording.whole]
@@ -158,7 +158,7 @@ def _within(points: FloatArray, size: tuple[int, int]) -> BoolArray:
     return np.asarray(inside)
 
 
-def _describe(folder: Path, recording: Recording, what: tuple[str, int]) -> Trial:
+def _describe(folder: Path, recording: SpiderRecording, what: tuple[str, int]) -> Trial:
     """Describe the recording as a trial."""
     scene, (difficulty, views) = recording.scene, what
     empty = (0, int(recording.poses.frames[0]))

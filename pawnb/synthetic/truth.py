@@ -9,7 +9,7 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray
 from pawnb.schema import EVENTS_COLUMNS, POINTS3D_COLUMNS, START_COLUMNS, TRACKS_COLUMNS
-from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.camera import PinholeCamera
 from pawnb.synthetic.gait_model import Gait
 from pawnb.synthetic.mouse import LANDMARKS, Mouse
 from pawnb.synthetic.scene import LEGS, SceneSettings
@@ -68,7 +68,7 @@ def landmarks_truth(mouse: Mouse, time_s: np.ndarray) -> pd.DataFrame:
 
 
 def tracks_truth(
-    positions: np.ndarray, fractions: np.ndarray, cameras: Sequence[Camera]
+    positions: np.ndarray, fractions: np.ndarray, cameras: Sequence[PinholeCamera]
 ) -> pd.DataFrame:
     """Return the columns of tracks.csv, then visible (0/1) and visible_fraction.
 
@@ -78,7 +78,7 @@ def tracks_truth(
         Tracked points, mm.
     fractions : ndarray (frames, views, legs)
         Share of each paw that is seen.
-    cameras : sequence of Camera
+    cameras : sequence of PinholeCamera
         The views; every paw has a row in every view, also in those that do not track it.
 
     Returns

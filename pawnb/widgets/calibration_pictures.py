@@ -37,14 +37,14 @@ Slot = tuple[str, int]
 
 
 @dataclass(frozen=True)
-class _State:
+class _PicturesState:
     """What undo goes back to."""
 
     aside: frozenset[Slot] = frozenset()
     floor: int | None = None
 
 
-class BoardPictures(CalibrationDraft[_State]):
+class BoardPictures(CalibrationDraft[_PicturesState]):
     """Pictures of a board, and the cameras that they determine.
 
     Parameters
@@ -85,8 +85,8 @@ class BoardPictures(CalibrationDraft[_State]):
         self.fitted: BoardFit | None = None
         self.reason = ""
         self._shots = np.zeros(0, int)
-        self._state = self._read() if self.path.exists() else _State()
-        self._fitted_state: _State | None = None
+        self._state = self._read() if self.path.exists() else _PicturesState()
+        self._fitted_state: _PicturesState | None = None
 
     # --- what there is ------------------------------------------------------------------
 
@@ -266,14 +266,14 @@ class BoardPictures(CalibrationDraft[_State]):
             rows.append(("", self.floor, FLOOR))
         write_table(pd.DataFrame(rows, columns=list(COLUMNS)), self.path)
 
-    def _look_at_change(self, before: _State) -> None:
+    def _look_at_change(self, before: _PicturesState) -> None:
         for view, frame in before.aside ^ self.aside:
             self.current, self.frame = (view, BOARD), frame
         if before.floor != self.floor:
             changed = self.floor if self.floor is not None else before.floor
             self.frame = self.frame if changed is None else changed
 
-    def _read(self) -> _State:
+    def _read(self) -> _PicturesState:
         """Read the choices there are."""
         where = self.path.name
         table = read_cells(self.path, COLUMNS)
@@ -289,7 +289,7 @@ class BoardPictures(CalibrationDraft[_State]):
                     f"{where}: {what!r} of view {view!r}; expected {ASIDE!r} of "
                     f"{', '.join(self.sizes)}, or {FLOOR!r}."
                 )
-        return _State(aside=frozenset(aside), floor=floor)
+        return _PicturesState(aside=frozenset(aside), floor=floor)
 
 
 def _place(uv: np.ndarray) -> list[float] | None:

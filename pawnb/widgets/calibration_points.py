@@ -40,14 +40,14 @@ Slot = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class _State(ClickState):
+class _ClicksState(ClickState):
     """What undo goes back to; slots are views and points."""
 
     frames: Mapping[Slot, int] = field(default_factory=dict)
     bends: bool = False
 
 
-class PointCalibration(ClickDraft[_State]):
+class PointCalibration(ClickDraft[_ClicksState]):
     """The clicks on points of known position, and the views that they determine.
 
     Parameters
@@ -85,8 +85,8 @@ class PointCalibration(ClickDraft[_State]):
         super().__init__(folder / CLICK_FILE, sizes=sizes, span=span)
         self.known, self.names = dict(known), tuple(known)
         self.colours = point_colours(self.known)
-        self._state = self._read() if self.path.exists() else _State()
-        self._fitted: tuple[_State, KnownPointFit] | None = None
+        self._state = self._read() if self.path.exists() else _ClicksState()
+        self._fitted: tuple[_ClicksState, KnownPointFit] | None = None
         self._offer_next()
 
     # --- what there is ------------------------------------------------------------------
@@ -254,14 +254,14 @@ class PointCalibration(ClickDraft[_State]):
     def _all_clicked(self, view: str) -> str:
         return f"every point is clicked in {view}; drag one to move it."
 
-    def _with_click(self, slot: Slot, uv: tuple[float, float]) -> _State:
+    def _with_click(self, slot: Slot, uv: tuple[float, float]) -> _ClicksState:
         state = super()._with_click(slot, uv)
         return replace(state, frames={slot: self.frame, **state.frames})
 
-    def _without_click(self, slot: Slot) -> _State:
+    def _without_click(self, slot: Slot) -> _ClicksState:
         return replace(super()._without_click(slot), aside=self.aside - {slot})
 
-    def _look_at_change(self, before: _State) -> None:
+    def _look_at_change(self, before: _ClicksState) -> None:
         for slot in self._changed_slots(before) | (before.aside ^ self.aside):
             self.current = slot
 
@@ -273,7 +273,7 @@ class PointCalibration(ClickDraft[_State]):
             )
         return view, point
 
-    def _read(self) -> _State:
+    def _read(self) -> _ClicksState:
         """Read the clicks there are."""
         where = self.path.name
         table = read_cells(self.path, COLUMNS[:4])
@@ -292,4 +292,4 @@ class PointCalibration(ClickDraft[_State]):
             clicks[slot], frames[slot] = (u, v), int(frame)
             if is_aside:
                 aside.add(slot)
-        return _State(clicks=clicks, frames=frames, aside=frozenset(aside))
+        return _ClicksState(clicks=clicks, frames=frames, aside=frozenset(aside))

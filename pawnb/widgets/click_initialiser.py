@@ -12,7 +12,7 @@ from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, ViewSource
 from pawnb.widgets.start_session import StartSession
 from pawnb.widgets.start_words import what_contradicts
 from pawnb.workflow.start.propose import StartProposal, propose_paws
@@ -74,13 +74,13 @@ class ClickInitialiser(FrameCanvas):
         start: pd.DataFrame | None = None,
         propose: bool | StartProposal = False,
         path: str | Path | None = None,
-        views: Views | None = None,
+        views: ViewSource | None = None,
         rig: Rig | None = None,
         **options: Any,
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
         self._own_views = open_views(trial, share_memory=True) if views is None else None
-        shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
+        shown: ViewSource = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
         self.session = StartSession(
             trial,
             sizes={name: (r.width, r.height) for name, r in shown.readers.items()},
@@ -192,13 +192,13 @@ class ClickInitialiser(FrameCanvas):
             self.actions = [accept | {"title": title}, *self.actions]
 
 
-def trial_span(trial: Trial, views: Views) -> tuple[int, int]:
+def trial_span(trial: Trial, views: ViewSource) -> tuple[int, int]:
     """Return the first and last frame of a trial that every view has."""
     first, stop = trial.frames or (getattr(views, "first_frame", 0), views.n_frames)
     return max(first, getattr(views, "first_frame", 0)), min(stop, views.n_frames) - 1
 
 
-def view_rig(trial: Trial, views: Views) -> Rig | None:
+def view_rig(trial: Trial, views: ViewSource) -> Rig | None:
     """Return the calibrated views of a trial, or None where nothing is calibrated."""
     readers = views.readers.items()
     sizes = {n: (r.source.width, r.source.height) for n, r in readers if hasattr(r, "source")}

@@ -68,14 +68,14 @@ MOUSE_AND_KEYS = (
 )
 
 
-class Picture(Protocol):
+class FramePicture(Protocol):
     """A frame of a view; :class:`pawnb.core.video.Frame` is one."""
 
     def image(self) -> np.ndarray:
         """Return the whole view, (H, W, 3) RGB or (H, W) grey, uint8."""
 
 
-class Views(Protocol):
+class ViewSource(Protocol):
     """What is asked of views; :class:`pawnb.core.video.ViewSet` has it."""
 
     @property
@@ -90,7 +90,7 @@ class Views(Protocol):
     def n_frames(self) -> int:
         """One past the last frame."""
 
-    def frame(self, index: int, /) -> Mapping[str, Picture]:
+    def frame(self, index: int, /) -> Mapping[str, FramePicture]:
         """Return one frame of every view."""
 
 
@@ -149,7 +149,7 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
 
     def __init__(
         self,
-        views: Views,
+        views: ViewSource,
         *,
         overlay: Callable[[int], Overlay] | None = None,
         frame: int | None = None,
@@ -323,7 +323,7 @@ def _check_frame(frame: int, span: Sequence[int]) -> None:
         raise InputError(f"frame {frame} is not in the recording ({first} to {last}).")
 
 
-def encode_jpeg(picture: Picture, *, shrink: int = 1, quality: int = 85) -> bytes:
+def encode_jpeg(picture: FramePicture, *, shrink: int = 1, quality: int = 85) -> bytes:
     """Encode a frame as JPEG.
 
     Parameters
@@ -355,7 +355,7 @@ def encode_jpeg(picture: Picture, *, shrink: int = 1, quality: int = 85) -> byte
     return data.tobytes()
 
 
-def _smaller(picture: Picture, shrink: int) -> np.ndarray:
+def _smaller(picture: FramePicture, shrink: int) -> np.ndarray:
     """Return a picture ``shrink`` times smaller, of a frame before it is made RGB."""
     if isinstance(picture, Frame):
         return picture.shrunk(shrink)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from pawnb.errors import PawnbError
 from pawnb.workflow.export.marks import line, rgb, ring, write_beside
-from pawnb.workflow.export.tiles import Layout, resized_array
+from pawnb.workflow.export.tiles import TileLayout, resized_array
 
 _WIDTH_PX = 720
 _DPI = 80
@@ -90,7 +90,7 @@ def picture_of_canvas(canvas: Any) -> bytes:
     with canvas._edit_lock:
         overlay = canvas.overlay(frame)
         legs = canvas.plain_legs(frame)
-    layout = Layout(
+    layout = TileLayout(
         {stage["name"]: (stage["width"], stage["height"]) for stage in canvas.stages},
         width=_WIDTH_PX,
     )

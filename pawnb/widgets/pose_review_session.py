@@ -17,7 +17,7 @@ from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.corrected_tracks import CorrectedTracks
 from pawnb.widgets.stick_pose import StickPose, stick_pose
-from pawnb.widgets.stick_session import State, StickSession
+from pawnb.widgets.stick_session import StickSession, StickState
 from pawnb.widgets.stretch_edits import order_partners
 
 
@@ -125,9 +125,9 @@ class PoseReviewSession(StickSession):
         super().go(frame)
         pose = self.pose_at(self.frame)
         self._state = (
-            State(pose, self.frame)
+            StickState(pose, self.frame)
             if pose is not None
-            else State(self.pose, self.frame, "proposed")
+            else StickState(self.pose, self.frame, "proposed")
         )
 
     def toggle_missing(self, leg: str | None = None) -> None:
@@ -165,7 +165,7 @@ class PoseReviewSession(StickSession):
             return "The animal was not found in this frame: drag the stick animal onto it."
         return "Step through the frames, drag what is wrong, then track again from there (R)."
 
-    def _begin(self, frame: int | None) -> State:
+    def _begin(self, frame: int | None) -> StickState:
         """Return the first pose there is."""
         poses = poses_of(self.corrected.present).poses
         known = np.flatnonzero(np.isfinite(poses.xy).all(axis=1))
@@ -173,7 +173,7 @@ class PoseReviewSession(StickSession):
             raise InputError("the animal was found in no frame of these tracks; track it first.")
         first = poses.take(known[:1])
         begin = int(first.frames[0]) if frame is None else self._checked_frame(frame)
-        return State(stick_pose(self.species, self.species, first), begin, "proposed")
+        return StickState(stick_pose(self.species, self.species, first), begin, "proposed")
 
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
         """Make the pose the correction of the frame looked at."""

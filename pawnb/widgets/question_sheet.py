@@ -8,19 +8,21 @@ import cv2
 import numpy as np
 
 from pawnb.core.video.views import Frame
-from pawnb.widgets.frame_canvas import Picture
+from pawnb.widgets.frame_canvas import FramePicture
 
 MOST_CROPS = 6
 """Labels on a sheet at once: each is of another frame, which is read when it comes onto it."""
 _SIDE_PX, _QUALITY = 128, 85
 
 
-def cut_out(picture: Picture, place: tuple[float, float], size: float) -> tuple[bytes, list[float]]:
+def cut_out(
+    picture: FramePicture, place: tuple[float, float], size: float
+) -> tuple[bytes, list[float]]:
     """Return the part of a picture about a place, and where in it the place is.
 
     Parameters
     ----------
-    picture : Picture
+    picture : FramePicture
         A view.
     place : tuple of float
         u, v in px.

@@ -26,7 +26,7 @@ from pawnb.workflow.export.colours import point_colours
 
 
 @dataclass(frozen=True)
-class _State:
+class _StartState:
     """What undo goes back to."""
 
     clicks: Mapping[Slot, tuple[float, float]] = field(default_factory=dict)
@@ -34,7 +34,7 @@ class _State:
     frame: int = 0
 
 
-class StartSession(Draft[_State]):
+class StartSession(Draft[_StartState]):
     """The clicks of one trial, and which one is asked for next.
 
     Parameters
@@ -100,7 +100,7 @@ class StartSession(Draft[_State]):
         clicks = {} if start is None else self._clicks_of(start)
         if frame is None:
             frame = min((f for f, _, _ in clicks), default=span[0])
-        self._state = _State(clicks=clicks, frame=self._checked_frame(frame))
+        self._state = _StartState(clicks=clicks, frame=self._checked_frame(frame))
         self.proposed: dict[Slot, tuple[float, float]] = {}
         self.current: tuple[str, str] | None = None
         self._offer_next()
@@ -300,7 +300,7 @@ class StartSession(Draft[_State]):
             slots.sort(key=lambda slot: (order.index(slot) - place - 1) % len(order))
         self.current = slots[0] if slots else None
 
-    def _change(self, state: _State) -> None:
+    def _change(self, state: _StartState) -> None:
         """Take over a new state, save it, and ask for the next point."""
         self._make(state)
         self._offer_next()
@@ -308,7 +308,7 @@ class StartSession(Draft[_State]):
     def _write(self) -> None:
         write_start(self.table(), self.path)
 
-    def _look_at_change(self, before: _State) -> None:
+    def _look_at_change(self, before: _StartState) -> None:
         """Look at the frame where something changed, and ask for what is open again."""
         was, now = before.clicks, self._state.clicks
         changed = {slot for slot in {*was, *now} if was.get(slot) != now.get(slot)}

@@ -26,7 +26,7 @@ _USUAL_SHARE = 0.5
 
 
 @dataclass(frozen=True)
-class State:
+class StickState:
     """A pose, the frame it belongs to, and who made it: what undo goes back to.
 
     ``others`` are the poses that start the tracking in further frames.
@@ -38,7 +38,7 @@ class State:
     others: Mapping[int, StickPose] = field(default_factory=dict)
 
 
-class StickSession(Draft[State]):
+class StickSession(Draft[StickState]):
     """The pose of one animal in one frame of a trial, or in several.
 
     One pose at a time is changed: that of the frame looked at where it has one. The animal's
@@ -195,7 +195,7 @@ class StickSession(Draft[State]):
         """Say that the frame looked at has a pose as well: the same, until it is changed."""
         if self.frame != self.pose_frame:
             others = {**self._state.others, self.pose_frame: self.pose}
-            self._make(State(self.pose, self.frame, others=others))
+            self._make(StickState(self.pose, self.frame, others=others))
 
     def drop(self) -> None:
         """Take the pose of the frame looked at out of the start; raises for the only one."""
@@ -219,7 +219,7 @@ class StickSession(Draft[State]):
         """
         frame = self._checked_frame(int(pose.frames[0]))
         others = _without(self._state.others, frame)
-        self._make(State(stick_pose(self.species, animal, pose), frame, "proposed", others))
+        self._make(StickState(stick_pose(self.species, animal, pose), frame, "proposed", others))
         self.frame, self.notes = frame, notes
 
     def take(self, animal: StickAnimal, pose: Poses) -> None:
@@ -285,11 +285,11 @@ class StickSession(Draft[State]):
         width, height = self.size
         return not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5)
 
-    def _begin(self, frame: int | None) -> State:
+    def _begin(self, frame: int | None) -> StickState:
         """Return the pose to begin with."""
         return self._read() if self.path.exists() else self._first(frame)
 
-    def _first(self, frame: int | None) -> State:
+    def _first(self, frame: int | None) -> StickState:
         """Return a natural pose in the middle of the picture."""
         width, height = self.size
         known = self.trial.calibration
@@ -298,11 +298,11 @@ class StickSession(Draft[State]):
             scale = known.px_per_unit
         pose = natural_pose(self.species, xy=((width - 1) / 2, (height - 1) / 2), scale=scale)
         first = self.span[0] if frame is None else frame
-        return State(
+        return StickState(
             stick_pose(self.species, self.species, pose), self._checked_frame(first), "first"
         )
 
-    def _read(self) -> State:
+    def _read(self) -> StickState:
         """Return the poses in the file; that of its first frame is the one to change."""
         animal, poses = read_start_pose(self.path, self.species)
         every = {
@@ -312,30 +312,30 @@ class StickSession(Draft[State]):
             for k in range(len(poses))
         }
         first = min(every)
-        return State(every[first], first, others=_without(every, first))
+        return StickState(every[first], first, others=_without(every, first))
 
-    def _moved_on(self, frame: int) -> State:
+    def _moved_on(self, frame: int) -> StickState:
         """Return the state in which the pose of another frame that has one is changed."""
         state = self._state
         others = dict(state.others)
         if state.origin == "person":  # a proposal that nobody took is let go
             others[state.frame] = state.pose
         pose = others.pop(frame).built_like(state.pose)
-        return State(pose, frame, others=others)
+        return StickState(pose, frame, others=others)
 
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
         """Take over a new pose and save it; it belongs to the frame looked at."""
         where = self.frame if frame is None else frame
-        self._make(State(pose, where, others=_without(self._state.others, where)))
+        self._make(StickState(pose, where, others=_without(self._state.others, where)))
 
     def _write(self) -> None:
         write_start(self.path, self.animal(), self.poses(), species=self.species)
 
-    def _keep(self, state: State) -> bool:
+    def _keep(self, state: StickState) -> bool:
         """Say yes to poses that a person made: the file keeps these."""
         return state.origin == "person"
 
-    def _look_at_change(self, before: State) -> None:  # noqa: ARG002 (the frame tells)
+    def _look_at_change(self, before: StickState) -> None:  # noqa: ARG002 (the frame tells)
         self.frame = self.pose_frame
 
     def _named(self, leg: str | None) -> str:

@@ -21,7 +21,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, ViewSource
 from pawnb.widgets.questions import Questions
 from pawnb.widgets.retracking import RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
@@ -118,14 +118,14 @@ class TrackReviewer(Comparing, Questions):
         against_name: str | None = None,
         out: str | Path | None = None,
         write: Callable[[Tracks], object] | None = None,
-        views: Views | None = None,
+        views: ViewSource | None = None,
         rig: Rig | None = None,
         **options: Any,
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
         self._prepare(trial, retrack)
         self._own_views = open_views(trial, share_memory=True) if views is None else None
-        shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
+        shown: ViewSource = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig

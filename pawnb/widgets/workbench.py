@@ -20,7 +20,7 @@ from pawnb.widgets.stick_poser import StickPoser
 from pawnb.widgets.surroundings import Surroundings
 from pawnb.widgets.track_reviewer import TrackReviewer
 from pawnb.widgets.trial_form import TrialForm
-from pawnb.widgets.workbench_parts import ROW, Tool, show_results
+from pawnb.widgets.workbench_parts import ROW, Tool, cell, show_results
 from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.workbench.states import DONE, STEPS, Step, TrialState
@@ -154,9 +154,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         states = self.session.states
         self._show_head(len(states))
         shown = states[self._first : self._first + _PAGE]
-        heads = ["trial", *DONE, "next"]
         rows = [self._row(state) for state in shown]
-        cells = [self._cell(text, strong=True) for text in heads] if rows else []
+        cells = [self._cell(t, strong=True) for t in ("trial", *DONE, "next")] if rows else []
         grid = widgets.GridBox(
             [*cells, *(cell for row in rows for cell in row)],
             layout={"grid_template_columns": _COLUMNS, "align_items": "center"},
@@ -396,13 +395,6 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         button.on_click(lambda _: self._guard(act))
         return button
 
-    def _cell(
-        self, text: str, *, strong: bool = False, wrong: bool = False, wrap: bool = False
-    ) -> Any:
+    def _cell(self, text: str, *, wrong: bool = False, **how: bool) -> Any:
         """Return a text of the list; a label takes no HTML, whatever a trial is called."""
-        label = widgets.Label(text)
-        label.style.font_weight = "bold" if strong else ""
-        label.style.text_color = _WRONG[self._around.dark] if wrong else None
-        if wrap or wrong:
-            label.add_class("pawnb-wrap")
-        return label
+        return cell(text, _WRONG[self._around.dark] if wrong else None, **how)

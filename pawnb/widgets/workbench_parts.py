@@ -34,6 +34,31 @@ class Tool(widgets.VBox):  # type: ignore[misc]
         super().close()
 
 
+def cell(text: str, colour: str | None, *, strong: bool = False, wrap: bool = False) -> Any:
+    """Return a text of the list of trials.
+
+    Parameters
+    ----------
+    text : str
+        The text; no HTML.
+    colour : str or None
+        Colour of what is wrong; it may go on over several lines, as with ``wrap``.
+    strong, wrap : bool
+        Whether it is bold, and whether it may go on over several lines.
+
+    Returns
+    -------
+    widget
+        A label.
+    """
+    label = widgets.Label(text)
+    label.style.font_weight = "bold" if strong else ""
+    label.style.text_color = colour
+    if wrap or colour:
+        label.add_class("pawnb-wrap")
+    return label
+
+
 def show_results(figures: Sequence[Path], verdict: str) -> Any:
     """Return figures to look through, one at a time, and the verdict on the tracks.
 

@@ -82,7 +82,7 @@ ROOMS = (CORE / "paws" / "offline", CORE / "pose" / "fit", CORE / "pose" / "spac
 def modules():
     """Yield the files of the default trackers that hold no parameters, and their code."""
     for path in sorted(path for room in ROOMS for path in room.rglob("*.py")):
-        if path.name not in ("parameters.py", "settings.py"):
+        if not path.name.endswith(("parameters.py", "settings.py")):
             yield path, ast.parse(path.read_text("utf-8"))
 
 
@@ -103,9 +103,9 @@ UNITS = {100, 255, 256, 180, 360, 90}
 """Per cent, grey values of a byte, degrees."""
 PLAIN = {0, 1, 2, 3, 4, -1, -2, 0.5} | UNITS
 BARE = {
-    "min_cost_flow.py": ({12}, "variance of the slope of a line"),
+    "links.py": ({12}, "variance of the slope of a line"),
     "classifier.py": ({6}, "first weights of Glorot & Bengio 2010"),
-    "colour_model.py": ({8}, "half the bins"),
+    "colour_quantisation.py": ({8}, "half the steps of a channel"),
     "detector_kernels.py": ({6, 9}, "padding of the filter of seven; mean of nine"),
     "paw_width.py": ({5}, "OpenCV's mask of its distance transform"),
     "scan.py": ({8}, "rounding up to a multiple of eight"),

@@ -27,7 +27,7 @@ _MOST_STEPS = 200
 
 
 @dataclass(frozen=True)
-class Observations:
+class ViewObservations:
     """What was seen.
 
     Parameters
@@ -153,20 +153,20 @@ class Adjusted:
     free: np.ndarray
     xyz: np.ndarray
 
-    def errors(self, seen: Observations) -> np.ndarray:
+    def errors(self, seen: ViewObservations) -> np.ndarray:
         """Return how far, px, each observation is from where its camera shows its point."""
         shown = project_distorted(self.cameras[seen.view], self.xyz[seen.place])
         return np.hypot(*(shown - seen.uv).T)
 
 
 def adjust(
-    seen: Observations, cameras: np.ndarray, structure: Structure, *, is_free: np.ndarray
+    seen: ViewObservations, cameras: np.ndarray, structure: Structure, *, is_free: np.ndarray
 ) -> Adjusted:
     """Adjust cameras and structure to each other.
 
     Parameters
     ----------
-    seen : Observations
+    seen : ViewObservations
         What was seen.
     cameras : ndarray, shape (n_views, 15)
         Cameras to begin with.
@@ -209,7 +209,9 @@ def adjust(
     return Adjusted(rows, start[n_free:], xyz)
 
 
-def _sparsity(seen: Observations, structure: Structure, is_free: np.ndarray, n: int) -> csr_matrix:
+def _sparsity(
+    seen: ViewObservations, structure: Structure, is_free: np.ndarray, n: int
+) -> csr_matrix:
     """Return where the Jacobian is not zero."""
     number = np.full(is_free.shape, -1)
     number[is_free] = np.arange(is_free.sum())

@@ -10,7 +10,7 @@ import pandas as pd
 from scipy.spatial.transform import Rotation
 
 from pawnb.core.calibration.arrangement import Arrangement, arrange, as_vectors, place_boards
-from pawnb.core.calibration.bundle import Adjusted, Boards, Observations, adjust
+from pawnb.core.calibration.bundle import Adjusted, Boards, ViewObservations, adjust
 from pawnb.core.calibration.corners import FEWEST_CORNERS
 from pawnb.core.calibration.intrinsics import LensFit, fit_lens
 from pawnb.core.calibration.optics import COLUMNS, POSE, camera_of_row, moved, row_of_camera
@@ -248,9 +248,9 @@ def _adjusted(
     number[kept] = np.arange(len(kept))
     boards = Boards(as_vectors(start.boards[kept]), sightings.corners)
 
-    def observations(which: np.ndarray) -> Observations:
+    def observations(which: np.ndarray) -> ViewObservations:
         v, s, c = np.nonzero(which)
-        return Observations(v, number[s] * n_corners + c, start.uv[which])
+        return ViewObservations(v, number[s] * n_corners + c, start.uv[which])
 
     found = adjust(observations(used), rows, boards, is_free=is_free)
     off = observations(seen)

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
-from pawnb.core.calibration.bundle import Adjusted, Observations, adjust
+from pawnb.core.calibration.bundle import Adjusted, ViewObservations, adjust
 from pawnb.core.calibration.optics import (
     COLUMNS,
     POSE,
@@ -273,10 +273,10 @@ def _adjusted(
     depth = np.linalg.norm(xyz.reshape(-1, 3), axis=1).mean()
     structure = _Wands(xyz.reshape(-1, 3), wand.length, float(rows[:, 1].mean() / depth))
 
-    def observations(which: np.ndarray) -> Observations:
+    def observations(which: np.ndarray) -> ViewObservations:
         v, f = np.nonzero(which)
         place = (2 * f[:, None] + np.arange(2)).ravel()
-        return Observations(np.repeat(v, 2), place, uv[v, f].reshape(-1, 2))
+        return ViewObservations(np.repeat(v, 2), place, uv[v, f].reshape(-1, 2))
 
     found = adjust(observations(used), first[2], structure, is_free=is_free)
     v, f = np.nonzero(seen)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import rq
 
 from pawnb.core import dlt
-from pawnb.core.calibration.bundle import KnownPoints, Observations, adjust
+from pawnb.core.calibration.bundle import KnownPoints, ViewObservations, adjust
 from pawnb.core.calibration.optics import (
     COLUMNS,
     POSE,
@@ -113,7 +113,7 @@ def fit_view(
     is_free[0, [COLUMNS.index("f"), COLUMNS.index("k1")]] = True
     is_free[0, POSE] = True
     n = len(xyz)
-    seen = Observations(np.zeros(n, int), np.arange(n), uv)
+    seen = ViewObservations(np.zeros(n, int), np.arange(n), uv)
     found = adjust(seen, row[None], KnownPoints(xyz), is_free=is_free)
     camera = camera_of_row(found.cameras[0], name="view", size=size)
     coefs, origin = coefs_of_cameras([camera])

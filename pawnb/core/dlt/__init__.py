@@ -8,6 +8,9 @@ A view is described by 11 coefficients, ``L1 .. L11``, with
 (Abdel-Aziz & Karara 1971; paper 2019, Eq. 1). Coefficients of several views are the
 columns of one array of shape (11, n_views). An affine view has L9 = L10 = L11 = 0.
 Missing image positions are NaN.
+
+Comes in: points in space and in pictures. Goes out: coefficients, and points that are projected
+or triangulated.
 """
 
 from pawnb.core.dlt.fit import FLAT, MIN_POINTS, DltFit, fit_dlt

@@ -122,7 +122,7 @@ def apply_edit(
             "pawnb.widgets.PoseReviewer(trial, tracks)."
         )
     new = tracks.copy(deep=True)
-    solve = _Solver(new, rig, px_per_unit)
+    solve = _PositionSolver(new, rig, px_per_unit)
     rows = rows_of_edit(new, edit)
     if isinstance(edit, Swap):
         _swap(new, edit, rows, solve)
@@ -160,7 +160,7 @@ def _put(tracks: Tracks, row: int, edit: Move | Accept) -> None:
     tracks["image_confidence"].values[row, view, point, 0] = 1.0
 
 
-def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: _Solver) -> None:
+def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: _PositionSolver) -> None:
     """Exchange two points over some rows, in one view or in everything there is."""
     if edit.first == edit.second:
         raise InputError(f"a point cannot be exchanged with itself ({edit.first!r}).")
@@ -236,7 +236,7 @@ def _retracked(
     old_uv = tracks["image_position"].values[rows_old]
     new["image_position"].values[rows_new] = np.where(edited[:, :, None], old_uv, uv)
     touched = edited.any(axis=(1, 3)) & again
-    solve = _Solver(new, rig, px_per_unit)
+    solve = _PositionSolver(new, rig, px_per_unit)
     for point in np.flatnonzero(touched.any(axis=0)):
         solve(rows_new[touched[:, point]], [int(point)])
     for hide in later:
@@ -259,7 +259,7 @@ def _are_same(tracks: Tracks, rows: IntArray, others: Tracks, other_rows: IntArr
     return same
 
 
-class _Solver:
+class _PositionSolver:
     """Computes 3D positions again, in place, for some rows and points."""
 
     def __init__(self, tracks: Tracks, rig: RigLike | None, px_per_unit: float | None) -> None:

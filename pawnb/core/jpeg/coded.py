@@ -13,7 +13,7 @@ import numpy as np
 
 from pawnb.arrays import IntArray
 from pawnb.core.jpeg.block_kernels import STRIP_PX, decode_units
-from pawnb.core.jpeg.header import Plan, header_length, read_plan
+from pawnb.core.jpeg.header import JpegHeader, header_length, read_plan
 from pawnb.core.jpeg.huffman_kernels import MOST_BITS, scan_units, take_words
 
 _MARGIN_WORDS = 10 * 64 * MOST_BITS // 64 + 4
@@ -26,7 +26,7 @@ class CodedPicture:
 
     Parameters
     ----------
-    plan : Plan
+    plan : JpegHeader
         What its headers say.
     words : ndarray of uint64
         Its bits.
@@ -34,7 +34,7 @@ class CodedPicture:
         See :func:`~pawnb.core.jpeg.huffman_kernels.scan_units`.
     """
 
-    plan: Plan
+    plan: JpegHeader
     words: IntArray
     begins: IntArray
     levels: IntArray

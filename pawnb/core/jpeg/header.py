@@ -30,7 +30,7 @@ _STUDIO_RANGE = b"CS=ITU601"
 
 
 @dataclass(frozen=True)
-class Plan:
+class JpegHeader:
     """What the headers of a picture say, ready for the loops.
 
     Parameters
@@ -94,7 +94,7 @@ def header_length(data: bytes) -> int:
 
 
 @functools.lru_cache(maxsize=32)
-def read_plan(header: bytes) -> Plan | None:
+def read_plan(header: bytes) -> JpegHeader | None:
     """Read the headers of a picture.
 
     Parameters
@@ -104,7 +104,7 @@ def read_plan(header: bytes) -> Plan | None:
 
     Returns
     -------
-    Plan or None
+    JpegHeader or None
         None where the picture is of a sort that is not understood here, or wrong.
     """
     segments = _segments(header) if len(header) <= _MOST_BYTES else None
@@ -130,7 +130,7 @@ def read_plan(header: bytes) -> Plan | None:
     if len(blocks) > _MOST_BLOCKS or min(width, height) < 1:
         return None
     columns, rows = -(-width // (8 * across)), -(-height // (8 * down))
-    return Plan(
+    return JpegHeader(
         width, height, (8 * across, 8 * down), (across // few, down // low), columns, rows,
         segments.interval or columns * rows, np.array(blocks, np.int64), tables,
         np.stack([scales[part[3]] for part in parts]), segments.kind,

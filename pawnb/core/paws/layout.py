@@ -13,7 +13,7 @@ from pawnb.arrays import BoolArray, Points2D
 from pawnb.core import kalman
 from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings, lengths_in_view
 from pawnb.core.paws.request import TrackingRequest
-from pawnb.core.paws.superpixels import Picture
+from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.schema import START_COLUMNS
@@ -51,13 +51,13 @@ class Views(Protocol):
         """Reader of each view, with its width and height."""
         ...
 
-    def frame(self, i: int) -> Mapping[str, Picture]:
+    def frame(self, i: int) -> Mapping[str, FramePixels]:
         """Return frame i of every view."""
         ...
 
     def frames(
         self, start: int, stop: int, *, step: int = 1, partly: bool = False
-    ) -> Iterator[tuple[int, Mapping[str, Picture]]]:
+    ) -> Iterator[tuple[int, Mapping[str, FramePixels]]]:
         """Go through frames of every view, as :class:`range` does; ``partly``: small parts.
 
         Parameters

@@ -26,7 +26,7 @@ _ANGLES = np.arange(256) * (2 * np.pi / 256)
 _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)
 
 
-class Picture(Protocol):
+class FramePixels(Protocol):
     """What is needed of a frame: its pixels in a half-open region."""
 
     def crop(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
@@ -190,13 +190,13 @@ def count_superpixels(window: Window, lengths: Lengths, settings: Maghsoudi2019S
 
 
 def measure_superpixels(
-    picture: Picture, window: Window, lengths: Lengths, *, settings: Maghsoudi2019Settings
+    picture: FramePixels, window: Window, lengths: Lengths, *, settings: Maghsoudi2019Settings
 ) -> Superpixels:
     """Cut out a sub-image, filter it, segment it and measure its superpixels.
 
     Parameters
     ----------
-    picture : Picture
+    picture : FramePixels
         A frame of one view; colour (RGB) or grey, 8 bit.
     window : Window
         The sub-image.

@@ -36,7 +36,7 @@ _LONG_FRAMES = 4.0
 
 
 @dataclass(frozen=True)
-class Evidence:
+class LabelEvidence:
     """One kind of evidence against every label.
 
     Parameters
@@ -53,7 +53,7 @@ class Evidence:
 
 def collect_evidence(
     tracks: Tracks, *, rig: Rig | None, other: Tracks | None, paw_px: float | None
-) -> list[Evidence]:
+) -> list[LabelEvidence]:
     """Measure every kind of evidence that the tracks allow.
 
     Parameters
@@ -69,7 +69,7 @@ def collect_evidence(
 
     Returns
     -------
-    list of Evidence
+    list of LabelEvidence
         In a fixed order.
 
     Raises
@@ -131,7 +131,7 @@ def _robust_level(values: FloatArray) -> tuple[float, float]:
 
 def _views_disagree(
     tracks: Tracks, uv: Points2D, xyz: FloatArray, *, rig: Rig | None, span: int
-) -> Evidence:
+) -> LabelEvidence:
     """Doubt labels that are far from where the 3D point appears."""
     views = tracks["view"].to_numpy().tolist()
     if rig is not None and xyz.shape[-1] == 3 and set(views) <= set(rig.names):
@@ -151,7 +151,7 @@ def _views_disagree(
             return f"the views disagree for a while (by {lasting[key]:.0f} px, usually {usual:.1f})"
         return f"the views disagree by {error[key]:.0f} px (usually {usual:.1f})"
 
-    return Evidence(score, words)
+    return LabelEvidence(score, words)
 
 
 def _running_mean(values: FloatArray, span: int) -> FloatArray:
@@ -162,7 +162,7 @@ def _running_mean(values: FloatArray, span: int) -> FloatArray:
     return np.divide(total, count, out=np.full(values.shape, np.nan), where=known)
 
 
-def _motion(uv: Points2D) -> list[Evidence]:
+def _motion(uv: Points2D) -> list[LabelEvidence]:
     """Doubt steps, and turns, that are large for the point and view they happen in."""
     step = np.full(uv.shape[:3], np.nan)
     turn = step.copy()
@@ -185,7 +185,7 @@ def _motion(uv: Points2D) -> list[Evidence]:
             return f"it is {turn[key]:.0f} px off in this one frame only"
         return f"it jumps by {turn[key]:.0f} px from its path"
 
-    return [Evidence(fast, words_fast), Evidence(sharp, words_sharp)]
+    return [LabelEvidence(fast, words_fast), LabelEvidence(sharp, words_sharp)]
 
 
 def _against_own(values: FloatArray) -> FloatArray:
@@ -199,7 +199,7 @@ def _against_own(values: FloatArray) -> FloatArray:
     return score
 
 
-def _confidence(confidence: FloatArray, uv: Points2D, span: int) -> Evidence:
+def _confidence(confidence: FloatArray, uv: Points2D, span: int) -> LabelEvidence:
     """Doubt labels whose confidence has dropped below that of the frames around them."""
     steady = median_filter(confidence, size=(2 * span + 1, 1, 1), mode="nearest")
     drop = np.where(np.isfinite(uv[..., 0]), steady - confidence, np.nan)
@@ -209,7 +209,7 @@ def _confidence(confidence: FloatArray, uv: Points2D, span: int) -> Evidence:
     def words(key: tuple[int, int, int]) -> str:
         return f"confidence drops to {confidence[key]:.2f} (around it {steady[key]:.2f})"
 
-    return Evidence(score, words)
+    return LabelEvidence(score, words)
 
 
 def find_nearest(uv: Points2D, paw_px: float | None) -> tuple[FloatArray, IntArray, FloatArray]:
@@ -247,7 +247,7 @@ def find_nearest(uv: Points2D, paw_px: float | None) -> tuple[FloatArray, IntArr
     return near, who, size
 
 
-def _crossing(uv: Points2D, points: list[str], paw_px: float | None) -> Evidence:
+def _crossing(uv: Points2D, points: list[str], paw_px: float | None) -> LabelEvidence:
     """Doubt points that are nearer to another point of their view than a paw is large."""
     near, who, size = find_nearest(uv, paw_px)
     share = near / size[:, None]
@@ -256,10 +256,10 @@ def _crossing(uv: Points2D, points: list[str], paw_px: float | None) -> Evidence
     def words(key: tuple[int, int, int]) -> str:
         return f"it is {near[key]:.0f} px from {points[who[key]]}: they may have been mistaken"
 
-    return Evidence(score, words)
+    return LabelEvidence(score, words)
 
 
-def _not_measured(origin: IntArray) -> Evidence:
+def _not_measured(origin: IntArray) -> LabelEvidence:
     """Doubt stretches in which a point was only predicted, most at their ends."""
     predicted = origin == ORIGIN_CODE["predicted"]
     length = np.zeros(origin.shape)
@@ -270,10 +270,10 @@ def _not_measured(origin: IntArray) -> Evidence:
     def words(key: tuple[int, int, int]) -> str:
         return f"it was not found for {length[key]:.0f} frames and is only predicted"
 
-    return Evidence(score, words)
+    return LabelEvidence(score, words)
 
 
-def _out_of_place(coordinate: FloatArray, uv: Points2D, *, span: int, unit: str) -> Evidence:
+def _out_of_place(coordinate: FloatArray, uv: Points2D, *, span: int, unit: str) -> LabelEvidence:
     """Doubt points (n, P) far from the usual value of a coordinate of their own."""
     score = np.zeros(coordinate.shape)
     off = np.full(coordinate.shape, np.nan)
@@ -287,10 +287,10 @@ def _out_of_place(coordinate: FloatArray, uv: Points2D, *, span: int, unit: str)
         away = off[key[0], key[2]]
         return f"it is {away:.0f} {unit} to one side of where it usually is"
 
-    return Evidence(in_views(score, uv), words)
+    return LabelEvidence(in_views(score, uv), words)
 
 
-def _off_the_ground(height: FloatArray, uv: Points2D, span: int) -> Evidence:
+def _off_the_ground(height: FloatArray, uv: Points2D, span: int) -> LabelEvidence:
     """Doubt points (n, P) that stay high for longer than a swing, or lie below the ground."""
     known = height[np.isfinite(height)]
     ground = float(np.percentile(known, 15.0)) if len(known) else np.nan
@@ -308,7 +308,7 @@ def _off_the_ground(height: FloatArray, uv: Points2D, span: int) -> Evidence:
             return "it is below the ground on which the others stand"
         return "it does not touch the ground for longer than a step takes"
 
-    return Evidence(in_views(score, uv), words)
+    return LabelEvidence(in_views(score, uv), words)
 
 
 def in_views(score: FloatArray, uv: Points2D) -> FloatArray:
@@ -324,7 +324,7 @@ def in_views(score: FloatArray, uv: Points2D) -> FloatArray:
     return np.where(np.isfinite(uv[..., 0]), score[:, None, :], 0.0)
 
 
-def passes_disagree(tracks: Tracks, other: Tracks) -> Evidence:
+def passes_disagree(tracks: Tracks, other: Tracks) -> LabelEvidence:
     """Doubt labels far from where another pass through the recording put them.
 
     Parameters
@@ -344,7 +344,7 @@ def passes_disagree(tracks: Tracks, other: Tracks) -> Evidence:
     def words(key: tuple[int, int, int]) -> str:
         return f"two passes through the recording disagree by {away[key]:.0f} px"
 
-    return Evidence(score, words)
+    return LabelEvidence(score, words)
 
 
 def distance_between(tracks: Tracks, other: Tracks) -> FloatArray:

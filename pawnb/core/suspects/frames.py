@@ -31,7 +31,7 @@ from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.rig import Rig
 from pawnb.core.suspects.chances import AROUND_FRAMES as LABEL_AROUND_FRAMES
 from pawnb.core.suspects.chances import doubted_labels
-from pawnb.core.suspects.evidence import Evidence, collect_evidence, image_positions
+from pawnb.core.suspects.evidence import LabelEvidence, collect_evidence, image_positions
 from pawnb.core.suspects.limits import collect_limits
 from pawnb.core.suspects.rates import AROUND_FRAMES, choose_looks, error_rates, weigh
 from pawnb.core.suspects.uncertainty import Doubt, collect_doubts, recognised, states_uncertainty
@@ -292,7 +292,7 @@ def choose_frames(
     return chosen
 
 
-def _in_words(evidence: list[Evidence], key: tuple[int, int, int]) -> str:
+def _in_words(evidence: list[LabelEvidence], key: tuple[int, int, int]) -> str:
     """Return the heaviest evidence of a label, and the next if it weighs enough."""
     ranked = sorted(evidence, key=lambda item: -item.score[key])
     said = [ranked[0].words(key)]

@@ -1,8 +1,9 @@
 """From Tracks or events to the gait tables of a trial.
 
-``run`` has the steps in their order; ``tables`` makes and pools the tables, with
-``stride_measures``, ``stride_support``, ``phase_patterns``, ``plausibility`` and ``notes``;
-``leg_names`` finds the feet among the names of points.
+Comes in: Tracks or events, and settings. Goes out: GaitTables. ``run`` has the steps in their
+order; ``tables`` makes and pools the tables, with ``stride_measures``, ``stride_support``,
+``phase_patterns``, ``plausibility`` and ``notes``; ``leg_names`` finds the feet among the names of
+points.
 """
 
 from pawnb import _lazy

@@ -1,9 +1,10 @@
 """Circular statistics of phases.
 
+Comes in: phases, 0 to 1, of one sample or more. Goes out: means, spreads, p-values, intervals.
 What most work needs is here itself: mean, spread, Rayleigh's p, interval of the mean (from
 ``mean`` and ``rayleigh``). ``describe`` has further measures of one sample, ``tests`` its tests,
 ``groups`` tests of several samples, ``correlation`` phases with numbers or other phases,
-``second_order`` samples of mean vectors.
+``second_order`` samples of mean vectors. After Fisher (1993) and Zar (2010).
 """
 
 from pawnb import _lazy

@@ -1,8 +1,9 @@
 """Signals of legs over the stride: cut, averaged, compared.
 
+Comes in: signals over time, and strides. Goes out: curves over the stride with bands, and p-values.
 What most work needs is here itself (from ``leg_signals``): cut into strides, averages with bands,
 aligned acceleration. ``joint_signals`` makes signals of joint angles, ``tests`` says whether curves
-differ between groups.
+differ between groups (cluster permutation; Maris and Oostenveld 2007).
 """
 
 from pawnb import _lazy

@@ -1,9 +1,10 @@
 """Events of the feet: found, scored by hand, cleaned and corrected.
 
-Extreme positions of a foot are here itself (from ``extremes``). ``event_pipeline`` has the steps in
-their order; ``ground_contact`` finds touch-down and lift-off, ``debounce`` takes out what is too
-short, ``contacts`` and ``manual_events`` take what was scored by hand or by force plates,
-``event_edits`` replays corrections, ``event_settings`` holds the settings.
+Comes in: paths of feet, or what was scored by hand. Goes out: touch-downs and lift-offs. Extreme
+positions of a foot are here itself (from ``extremes``). ``event_pipeline`` has the steps in their
+order; ``ground_contact`` finds touch-down and lift-off, ``debounce`` takes out what is too short,
+``contacts`` and ``manual_events`` take what was scored by hand or by force plates, ``event_edits``
+replays corrections, ``event_settings`` holds the settings.
 """
 
 from pawnb import _lazy

@@ -1,8 +1,10 @@
 """Animals, not strides: groups and conditions compared, means and slopes of animals.
 
-The comparison is here itself (from ``comparison``); ``differences`` holds the intervals and effect
-sizes that it gives. ``animals`` has means and slopes with intervals that count animals,
-``animal_summary`` summarises every measure, ``bootstrap`` serves statistics without a formula.
+Comes in: a table of strides with their animals and groups. Goes out: means, differences and effect
+sizes with intervals that count animals. The comparison is here itself (from ``comparison``);
+``differences`` holds the intervals and effect sizes that it gives. ``animals`` has means and slopes
+of animals, ``animal_summary`` summarises every measure, ``bootstrap`` serves statistics without a
+formula.
 """
 
 from pawnb import _lazy

@@ -1,5 +1,6 @@
 """What the statistics share; the tests and models themselves are public modules of gait.
 
+Comes in: checked samples. Goes out: fits, permutations and shares of variance for those modules.
 ``checks`` of input; ``linear_fit``; ``permutations``, ``leg_permutation``; ``fixed_effects`` and
 ``mixed_likelihood`` of mixed models; ``variance_shares``; ``animal_phases``, ``circular_length``,
 ``circular_sample`` of phases.

@@ -1,8 +1,9 @@
 """Phases between legs, and what they say of coordination.
 
-The table of phases and its summary are here itself (from ``phase_table``). ``coupling`` has rules
-and models of how legs are coupled, ``patterns`` distances to ideal gaits, ``relative_phase`` the
-phase at every instant, ``density`` its density on the torus.
+Comes in: events and strides. Goes out: the phase of each leg in the stride of another, and measures
+of coordination. The table of phases and its summary are here itself (from ``phase_table``).
+``coupling`` has rules and models of how legs are coupled, ``patterns`` distances to ideal gaits,
+``relative_phase`` the phase at every instant, ``density`` its density on the torus.
 """
 
 from pawnb import _lazy

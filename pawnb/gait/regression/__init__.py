@@ -1,5 +1,6 @@
 """Measures against speed, size and other terms.
 
+Comes in: tables of strides or animals. Goes out: lines and models with their intervals.
 Lines are here itself (from ``lines``): least squares, power laws, reduced major axis. ``scaling``
 has the tables against size and speed, ``phase_slopes`` phases against speed within animals,
 ``covariates`` several terms at once, ``mixed`` mixed models, ``reference_lines`` what theory

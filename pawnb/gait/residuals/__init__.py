@@ -1,7 +1,8 @@
 """The cut-off of a low-pass filter, chosen from the signal itself.
 
-All of it is here itself (from ``residual_analysis`` and ``cutoffs``); ``cutoff_scores`` and
-``noise_band`` hold the arithmetic.
+Comes in: positions over time. Goes out: a cut-off, Hz. Residual analysis (Winter 2009), beside
+generalised cross-validation and the autocorrelation of residuals. All of it is here itself (from
+``residual_analysis`` and ``cutoffs``); ``cutoff_scores`` and ``noise_band`` hold the arithmetic.
 """
 
 from pawnb import _lazy

@@ -1,7 +1,8 @@
 """Strides, and what is read off them.
 
-The table of strides is here itself (from ``stride_table``). ``bouts`` says where an animal is
-going, ``durations`` compares the rhythm of legs, ``symmetry`` left with right.
+Comes in: events and paths of feet. Goes out: a row for each stride: period, duty factor, length,
+speed. The table is here itself (from ``stride_table``). ``bouts`` says where an animal is going,
+``durations`` compares the rhythm of legs, ``symmetry`` left with right.
 """
 
 from pawnb import _lazy

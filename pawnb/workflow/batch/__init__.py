@@ -1,7 +1,8 @@
 """Many trials, one process each, begun again where it stopped.
 
-``run`` is the call; ``places`` are where trials run, ``scheduler`` is a Dask scheduler as such a
-place, ``worker`` is what runs there.
+Comes in: trials. Goes out: the results of each, and a table of what came of it. ``run`` is the
+call; ``places`` are where trials run, ``scheduler`` is a Dask scheduler as such a place, ``worker``
+is what runs there.
 """
 
 from pawnb import _lazy

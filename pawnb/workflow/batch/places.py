@@ -11,7 +11,7 @@ from contextlib import suppress
 from typing import IO, Any, NamedTuple, Protocol
 
 
-class Answer(NamedTuple):
+class TrialOutcome(NamedTuple):
     """What became of a trial: status, one sentence and verdict as in a :class:`BatchReport`."""
 
     status: str
@@ -28,7 +28,7 @@ class Places(Protocol):
     def begin(self, number: int, order: Mapping[str, Any]) -> None:
         """Begin a trial; ``order`` is what :mod:`pawnb.workflow.batch.worker` takes."""
 
-    def ended(self) -> dict[int, Answer]:
+    def ended(self) -> dict[int, TrialOutcome]:
         """Return the answers of trials that have ended since this was last asked."""
 
     def wait(self, at_most_s: float) -> None:
@@ -82,20 +82,20 @@ class WorkerProcess:
         with suppress(subprocess.TimeoutExpired):
             self._process.wait(at_most_s)
 
-    def answer(self) -> Answer | None:
+    def answer(self) -> TrialOutcome | None:
         """Return what it said once it has ended, else None; afterwards it is closed."""
         if self._process.poll() is None:
             return None
         said, errors = _read_out(self._process.stdout), _read_out(self._errors, rewind=True)
         self._close_input()
         try:
-            answer = Answer(**json.loads(said[-1]))
+            answer = TrialOutcome(**json.loads(said[-1]))
         except (IndexError, json.JSONDecodeError):
             last = errors[-1] if errors else "nothing was said"
             code = self._process.returncode
-            answer = Answer("failed", f"its process ended with status {code}: {last}")
+            answer = TrialOutcome("failed", f"its process ended with status {code}: {last}")
         if self._stopping and answer.status == "failed":
-            return Answer("stopped", "interrupted before anything was done")
+            return TrialOutcome("stopped", "interrupted before anything was done")
         return answer
 
     def _close_input(self) -> None:
@@ -125,7 +125,7 @@ class Processes:
         """Begin a trial in a process of its own."""
         self._running[number] = WorkerProcess(order)
 
-    def ended(self) -> dict[int, Answer]:
+    def ended(self) -> dict[int, TrialOutcome]:
         """Return the answers of trials that have ended since this was last asked."""
         answers = {number: process.answer() for number, process in self._running.items()}
         ended = {number: answer for number, answer in answers.items() if answer is not None}

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pawnb.errors import InputError
-from pawnb.workflow.batch.places import Answer, WorkerProcess
+from pawnb.workflow.batch.places import TrialOutcome, WorkerProcess
 
 _CONNECT_S = 10.0
 """So long a scheduler may be silent, at the beginning and in between, before it is gone."""
@@ -61,7 +61,7 @@ class Scheduler:
         self._stop_name = f"pawnb-stop-{uuid.uuid4().hex}"
         self._stop = distributed.Event(self._stop_name, client=self._client)
         self._running: dict[int, Any] = {}
-        self._refused: dict[int, Answer] = {}
+        self._refused: dict[int, TrialOutcome] = {}
         self._stopping = False
         self._some_ended = threading.Event()
         self._threads, self._counted_at = 0, -_COUNT_S
@@ -88,7 +88,7 @@ class Scheduler:
     def begin(self, number: int, order: Mapping[str, Any]) -> None:
         """Hand a trial to a worker; its paths become absolute."""
         if self._is_gone():
-            self._refused[number] = Answer("failed", f"not begun: {_GONE}")
+            self._refused[number] = TrialOutcome("failed", f"not begun: {_GONE}")
             return
         places = {name: str(Path(order[name]).resolve()) for name in ("trial", "out")}
         future = self._client.submit(
@@ -102,7 +102,7 @@ class Scheduler:
         if not self._refused:
             self._some_ended.wait(at_most_s)
 
-    def ended(self) -> dict[int, Answer]:
+    def ended(self) -> dict[int, TrialOutcome]:
         """Return the answers of trials that have ended since this was last asked."""
         self._some_ended.clear()
         ended, self._refused = self._refused, {}
@@ -116,7 +116,7 @@ class Scheduler:
             del self._running[number]
         return ended
 
-    def _answers(self, finished: Sequence[int]) -> dict[int, Answer]:
+    def _answers(self, finished: Sequence[int]) -> dict[int, TrialOutcome]:
         """Return what workers said, all in one request, which takes as long as one alone."""
         if not finished:
             return {}
@@ -124,16 +124,16 @@ class Scheduler:
             said = self._client.gather([self._running[number] for number in finished])
         except (OSError, CancelledError):  # the scheduler died meanwhile; asked again they say so
             return {}
-        return {number: Answer(*one) for number, one in zip(finished, said, strict=True)}
+        return {number: TrialOutcome(*one) for number, one in zip(finished, said, strict=True)}
 
-    def _without_answer(self, future: Any, status: str) -> Answer:
+    def _without_answer(self, future: Any, status: str) -> TrialOutcome:
         """Return what became of a trial whose worker never said it."""
         if status == "cancelled" and self._stopping:
-            return Answer("stopped", "not begun")
+            return TrialOutcome("stopped", "not begun")
         if self._client.status != "running":  # then the client takes all back
-            return Answer("failed", f"{_GONE}, and what its worker has kept is there")
+            return TrialOutcome("failed", f"{_GONE}, and what its worker has kept is there")
         error = future.exception() if status == "error" else "its worker is gone"
-        return Answer("failed", f"the scheduler's worker failed: {error}")
+        return TrialOutcome("failed", f"the scheduler's worker failed: {error}")
 
     def stop(self) -> None:
         """Ask every trial under way to keep what is done and end; take back those that wait."""
@@ -169,7 +169,7 @@ def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str,
     Returns
     -------
     status, said, verdict : str
-        See :class:`pawnb.workflow.batch.places.Answer`.
+        See :class:`pawnb.workflow.batch.places.TrialOutcome`.
     """
     import distributed
 

@@ -1,7 +1,9 @@
 """Cameras and scales of a trial, made and read.
 
-``calibrate`` fits DLT coefficients to clicked points, ``calibrate_file`` reads another program's
-calibration, ``scale`` finds px per unit of a single view, ``real_units`` applies it.
+Comes in: clicks, pictures of a board or a wand, or another program's file. Goes out: the
+calibration of a trial, with its errors. ``calibrate`` fits DLT coefficients to clicked points,
+``calibrate_file`` reads another program's calibration, ``scale`` finds px per unit of a single
+view, ``real_units`` applies it.
 """
 
 from pawnb import _lazy

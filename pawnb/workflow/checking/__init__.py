@@ -1,8 +1,8 @@
 """What a trial has, what is missing, and what looks wrong.
 
-``check`` is the call for a trial; ``check_points`` adds what points need, ``check_pose`` what a
-jointed animal does, ``check_report`` puts into words what was found. ``selfcheck`` checks the
-installation itself, by ``reference_values`` and rendered trials.
+Comes in: a trial. Goes out: findings in words. ``check`` is the call; ``check_points`` adds what
+points need, ``check_pose`` what a jointed animal does, ``check_report`` puts into words what was
+found. ``selfcheck`` checks the installation itself, by ``reference_values`` and rendered trials.
 """
 
 from pawnb import _lazy

@@ -1,9 +1,11 @@
 """Tracks against truth, tracks made by hand, or another run.
 
-``evaluate`` is the call; ``against_truth`` knows points and poses, which ``errors`` and
-``pose_errors`` measure; ``event_errors`` times events, ``evaluate_pose`` and ``pose_spread`` need
-no truth; ``compare``, ``compare_cameras`` and ``compare_pose`` tabulate methods over trials, which
-``compared`` opens, with ``corrected_run`` as a person would correct.
+Comes in: tracks, and what they are compared with. Goes out: errors in px and in the unit of the
+calibration, and tables of methods. ``evaluate`` is the call; ``against_truth`` knows points and
+poses, which ``errors`` and ``pose_errors`` measure; ``event_errors`` times events,
+``evaluate_pose`` and ``pose_spread`` need no truth; ``compare``, ``compare_cameras`` and
+``compare_pose`` tabulate methods over trials, which ``compared`` opens, with ``corrected_run`` as a
+person would correct.
 """
 
 from pawnb import _lazy

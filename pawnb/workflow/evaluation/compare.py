@@ -56,7 +56,7 @@ _MEASURES = ("time_s_per_1000", "major_per_1000", "minor_per_1000",
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MethodComparison:
     """What a comparison yields.
 
     Parameters
@@ -116,7 +116,7 @@ def compare_methods(
     out: str | Path | None = None,
     progress: Callable[[int, int], None] | None = None,
     report: Callable[[str], None] | None = None,
-) -> Comparison:
+) -> MethodComparison:
     """Track trials with truth by several methods, and compare them as the 2019 paper does.
 
     Parameters
@@ -144,7 +144,7 @@ def compare_methods(
 
     Returns
     -------
-    Comparison
+    MethodComparison
         The tables.
 
     Raises
@@ -174,7 +174,7 @@ def compare_methods(
                                float(values.mean()), _sd(values)))  # fmt: skip
                 samples[trial.name, method, view, point, kind] = values
     table = pd.DataFrame(rows, columns=list(COMPARISON_COLUMNS))
-    comparison = Comparison(
+    comparison = MethodComparison(
         trials=table,
         summary=_summarise(table),
         reprojection=pd.DataFrame(errors, columns=list(REPROJECTION_COLUMNS)),
@@ -281,7 +281,7 @@ def _sd(values: np.ndarray) -> float:
     return float(np.std(values, ddof=1)) if len(values) > 1 else float("nan")
 
 
-def _write(comparison: Comparison, out: Path, settings: Mapping[str, Any]) -> None:
+def _write(comparison: MethodComparison, out: Path, settings: Mapping[str, Any]) -> None:
     """Write the tables and the figure."""
     for name, table in (
         ("comparison", comparison.trials),

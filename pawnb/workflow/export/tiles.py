@@ -19,7 +19,7 @@ _ASPECT = 1.6
 _PAPER = (255, 255, 255)
 
 
-class Layout:
+class TileLayout:
     """Where the pictures of some views stand in one picture.
 
     Parameters
@@ -124,7 +124,7 @@ class Tiles:
         sizes = {
             name: (views.readers[name].width, views.readers[name].height) for name in self.shown
         }
-        self._layout = Layout(sizes, width=width)
+        self._layout = TileLayout(sizes, width=width)
         self.size = self._layout.size
         self._times = np.asarray(views.time_s)
 

@@ -1,8 +1,9 @@
 """Tracks or events to gait tables and figures.
 
-``run`` is the call, ``request`` what it is asked for, ``study`` who was filmed, ``species`` who
-else is drawn; ``inputs``, ``sources`` and ``event_sources`` read what it is given, ``statistics``
-makes the tables beside those of the trials, ``drawings``, ``overview_drawings``,
+Comes in: results, files of tracks or events, or a study. Goes out: a folder of tables and figures.
+``run`` is the call, ``request`` what it is asked for and its record, ``study`` who was filmed,
+``species`` who else is drawn; ``inputs``, ``sources`` and ``event_sources`` read what it is given,
+``statistics`` makes the tables beside those of the trials, ``drawings``, ``overview_drawings``,
 ``source_drawings`` and ``save_figures`` the figures.
 """
 

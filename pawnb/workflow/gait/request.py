@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pawnb.gait import GaitTables
 from pawnb.workflow.gait.save_figures import Which
+from pawnb.workflow.gait.sources import GaitSource
+from pawnb.workflow.gait.study import Study
+from pawnb.workflow.provenance.labels import label_inputs
+from pawnb.workflow.provenance.record import build_step, file_checksum
+from pawnb.workflow.provenance.results import (
+    provenance_steps,
+)
 
 Legs = Sequence[str] | Mapping[str, str]
 """Legs to use, or names of legs to names of points."""
@@ -45,7 +54,7 @@ class GaitRequest:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Again:
+class TakenOver:
     """What a run takes over when results are made again, for their record to be the same.
 
     Parameters
@@ -64,3 +73,74 @@ class Again:
     edits: tuple[Path, ...] = ()
     command: str | None = None
     only: str | None = None
+
+
+def record_of(
+    request: GaitRequest,
+    sources: Sequence[GaitSource],
+    edits: Sequence[Path],
+    *,
+    tables: GaitTables,
+    study: Study | None,
+    command: Sequence[str] | None,
+    again: TakenOver | None,
+) -> dict[str, Any]:
+    """Return the record of a run: all that is needed to make its files again.
+
+    Parameters
+    ----------
+    request : GaitRequest
+        What was asked for.
+    sources : sequence of GaitSource
+        What was analysed.
+    edits : sequence of Path
+        Corrections of events that were in force.
+    tables : GaitTables
+        What was found.
+    study : Study, optional
+        The study that named the sources.
+    command : sequence of str, optional
+        The command line.
+    again : TakenOver, optional
+        What is taken over from a run that is made again.
+
+    Returns
+    -------
+    dict
+        The step for the provenance.
+    """
+    given = [source.given for source in sources] if study is None else [study.path]
+    inputs = [*given, *(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
+    inputs += [one.path for one in study.species] if study is not None else []
+    labels = label_inputs(inputs)
+    if again is not None:
+        known = {path.absolute(): label for path, label in again.labels.items()}
+        labels |= {path: known[path.absolute()] for path in inputs if path.absolute() in known}
+    step = build_step(
+        "gait",
+        command=command,
+        inputs={labels[path]: file_checksum(path) for path in inputs},
+        settings=dataclasses.asdict(tables.settings),
+        settings_of_trials=_own_settings(tables),
+        given=[labels[path] for path in given],
+        edits=[labels[path] for path in edits],
+        **request.plain(),
+        sources={
+            labels[source.path]: provenance_steps(source.tracks)
+            for source in sources
+            if source.tracks is not None
+        },
+    )
+    return step if again is None else step | {"command": again.command}
+
+
+def _own_settings(tables: GaitTables) -> dict[str, dict[str, Any]]:
+    """Return the settings that single trials have of their own, by animal and trial."""
+    common = dataclasses.asdict(tables.settings)
+    found = {}
+    for basis in tables.bases:
+        own = dataclasses.asdict(basis.settings)
+        changed = {name: value for name, value in own.items() if value != common[name]}
+        if changed:
+            found[f"{basis.who['animal']}, {basis.who['trial']}"] = changed
+    return found

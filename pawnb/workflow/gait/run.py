@@ -28,7 +28,7 @@ from pawnb.workflow.gait.inputs import (
     who_is_who,
 )
 from pawnb.workflow.gait.overview_drawings import overview_drawings
-from pawnb.workflow.gait.request import Again, GaitRequest, Legs
+from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
 from pawnb.workflow.gait.sources import GaitSource
@@ -50,16 +50,13 @@ from pawnb.workflow.gait.study_tables import (
     size_tables,
     tables_of_study,
 )
-from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
 from pawnb.workflow.provenance.notes import noted_warnings, notes_table
-from pawnb.workflow.provenance.record import build_step, file_checksum
 from pawnb.workflow.provenance.report.index_page import INDEX_FILE, index_page
 from pawnb.workflow.provenance.report.methods_text import methods_paragraphs
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
     make_folder,
-    provenance_steps,
     tracking_notes,
 )
 
@@ -187,7 +184,7 @@ def carry_out(
     *,
     out: str | Path | None = None,
     command: Sequence[str] | None = None,
-    again: Again | None = None,
+    again: TakenOver | None = None,
 ) -> GaitRun:
     """Analyse the gait of what a request names.
 
@@ -197,7 +194,7 @@ def carry_out(
         What is asked for.
     out, command
         As for :func:`run_gait`.
-    again : Again, optional
+    again : TakenOver, optional
         What is taken over from a run that is made again.
 
     Returns
@@ -211,7 +208,7 @@ def carry_out(
         folder = make_folder(_default_out(sources, study) if out is None else out)
         edits = _event_edit_files(sources, folder) if again is None else list(again.edits)
         tables = gait.replay_event_edits(tables, edits)
-        step = _record(
+        step = record_of(
             request, sources, edits, tables=tables, study=study, command=command, again=again
         )
         named = {
@@ -287,54 +284,6 @@ def _common(request: GaitRequest, study: Study | None) -> EventSettings:
     asked = {**(study.settings if study is not None else {}), **(request.settings or {})}
     asked.pop("pairs", None)
     return build_settings(EventSettings, asked, where="gait")
-
-
-def _record(
-    request: GaitRequest,
-    sources: Sequence[GaitSource],
-    edits: Sequence[Path],
-    *,
-    tables: GaitTables,
-    study: Study | None,
-    command: Sequence[str] | None,
-    again: Again | None,
-) -> dict[str, Any]:
-    """Return the record of this run: all that is needed to make its files again."""
-    given = [source.given for source in sources] if study is None else [study.path]
-    inputs = [*given, *(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
-    inputs += [one.path for one in study.species] if study is not None else []
-    labels = label_inputs(inputs)
-    if again is not None:
-        known = {path.absolute(): label for path, label in again.labels.items()}
-        labels |= {path: known[path.absolute()] for path in inputs if path.absolute() in known}
-    step = build_step(
-        "gait",
-        command=command,
-        inputs={labels[path]: file_checksum(path) for path in inputs},
-        settings=dataclasses.asdict(tables.settings),
-        settings_of_trials=_own_settings(tables),
-        given=[labels[path] for path in given],
-        edits=[labels[path] for path in edits],
-        **request.plain(),
-        sources={
-            labels[source.path]: provenance_steps(source.tracks)
-            for source in sources
-            if source.tracks is not None
-        },
-    )
-    return step if again is None else step | {"command": again.command}
-
-
-def _own_settings(tables: GaitTables) -> dict[str, dict[str, Any]]:
-    """Return the settings that single trials have of their own, by animal and trial."""
-    common = dataclasses.asdict(tables.settings)
-    found = {}
-    for basis in tables.bases:
-        own = dataclasses.asdict(basis.settings)
-        changed = {name: value for name, value in own.items() if value != common[name]}
-        if changed:
-            found[f"{basis.who['animal']}, {basis.who['trial']}"] = changed
-    return found
 
 
 def _further_tables(

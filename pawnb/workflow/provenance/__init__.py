@@ -1,10 +1,11 @@
 """What was done, with what, to what, and what a folder of results holds.
 
+Comes in: inputs, settings and results of a run. Goes out: records by which it can be made again.
 ``record`` makes the record that every result carries, ``manifest`` writes a folder whole and finds
-faults in one, ``labels`` name inputs, ``results`` writes and reads what
-tracking made, ``notes`` lists warnings beside it.
-``recipes`` reads what a file carries, ``find_inputs`` what it was made of; ``reproduce`` makes it
-again, and ``same_content`` says in what it differs. ``report`` writes pages on a run.
+faults in one, ``labels`` name inputs, ``results`` writes and reads what tracking made, ``notes``
+lists warnings beside it. ``recipes`` reads what a file carries, ``find_inputs`` what it was made
+of; ``reproduce`` makes it again, and ``same_content`` says in what it differs. ``report`` writes
+pages on a run.
 """
 
 from pawnb import _lazy

@@ -20,7 +20,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
-from pawnb.workflow.gait.request import ASKED, Again, GaitRequest
+from pawnb.workflow.gait.request import ASKED, GaitRequest, TakenOver
 from pawnb.workflow.gait.run import carry_out
 from pawnb.workflow.provenance.find_inputs import find_inputs, places_of
 from pawnb.workflow.provenance.manifest import MANIFEST, read_manifest
@@ -214,7 +214,7 @@ def _make_gait(task: _Task) -> None:
     alone = len(task.names) == 1 and figures_of and Path(task.names[0]).name != "not_drawn.csv"
     given = [found[label] for label in step["given"]]
     request = GaitRequest(inputs=given, settings=settings, **asked)
-    again = Again(
+    again = TakenOver(
         labels={file: label for label, file in found.items()},
         edits=tuple(found[label] for label in step["edits"]),
         command=step["command"],

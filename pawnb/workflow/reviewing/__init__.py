@@ -1,8 +1,8 @@
 """How good tracks are, and where to look or click next.
 
-``quality`` gives the verdict, ``suggest`` the frames in which a click helps most, ``foreign`` opens
-other programs' tracks for a review and writes them back, ``reproject``
-shows tracks in every view.
+Comes in: tracks and their trial. Goes out: a verdict, and frames to look at. ``quality`` gives the
+verdict, ``suggest`` the frames in which a click helps most, ``foreign`` opens other programs'
+tracks for a review and writes them back, ``reproject`` shows tracks in every view.
 """
 
 from pawnb import _lazy

@@ -18,8 +18,8 @@ import numpy as np
 from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.superpixels import (
+    FramePixels,
     Look,
-    Picture,
     Superpixels,
     Window,
     colour_difference,
@@ -34,7 +34,7 @@ _ON_THE_LINE = 16
 
 def find_hidden(
     layout: Layout,
-    pictures: Mapping[str, Picture],
+    pictures: Mapping[str, FramePixels],
     key: tuple[int, int],
     *,
     looks: Sequence[Look],

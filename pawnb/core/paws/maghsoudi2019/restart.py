@@ -52,7 +52,7 @@ class _Rows:
 
 
 @dataclass
-class Plan:
+class RestartPlan:
     """What is known of the frames to be tracked, and which points rest in them.
 
     Parameters
@@ -97,7 +97,7 @@ def prepare_again(
     tracks: Tracks,
     first: int,
     learn_at: Mapping[str, int] | None = None,
-) -> Plan:
+) -> RestartPlan:
     """Bring a fresh run to the frame from which tracks are made again.
 
     Parameters
@@ -118,7 +118,7 @@ def prepare_again(
 
     Returns
     -------
-    Plan
+    RestartPlan
         What is known of the frames from ``first`` on, and what is tracked again.
 
     Raises
@@ -152,7 +152,7 @@ def prepare_again(
         rows.uv, rows.by_hand, here, tolerance_px=TOLERANCE_PX * widths / REFERENCE_WIDTH_PX
     )
     of_frame = {int(frame): row for row, frame in enumerate(rows.frames)}
-    return Plan(placements, stretch, rows, of_frame)
+    return RestartPlan(placements, stretch, rows, of_frame)
 
 
 def _read_rows(tracks: Tracks, layout: Layout) -> _Rows:

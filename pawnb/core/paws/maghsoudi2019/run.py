@@ -19,8 +19,8 @@ from pawnb.core.paws.maghsoudi2019.frame_result import Detection, FrameResult
 from pawnb.core.paws.maghsoudi2019.fusion import best_superpixels, compute_features, fuse, normalise
 from pawnb.core.paws.maghsoudi2019.reacquisition import find_hidden
 from pawnb.core.paws.superpixels import (
+    FramePixels,
     Look,
-    Picture,
     Superpixels,
     measure_superpixels,
     place_window,
@@ -61,7 +61,7 @@ class Run:
         # without a rig, the view whose picture gives a point its position
         self.home: dict[int, int] = {}
 
-    def learn(self, pictures: Mapping[str, Picture], placed: Sequence[Placement]) -> None:
+    def learn(self, pictures: Mapping[str, FramePixels], placed: Sequence[Placement]) -> None:
         """Learn the colour of points from where they are known to be.
 
         A point put there by hand (and one of which no colour is known yet) gives the
@@ -86,7 +86,7 @@ class Run:
         """Keep the initial colours that are known: what is placed later changes none."""
         self._settled |= set(self.initial)
 
-    def step(self, pictures: Mapping[str, Picture], placed: Sequence[Placement]) -> FrameResult:
+    def step(self, pictures: Mapping[str, FramePixels], placed: Sequence[Placement]) -> FrameResult:
         """Track one frame: predict, find, reconstruct, update.
 
         Parameters
@@ -156,7 +156,7 @@ class Run:
             self.collisions.remember(result.uv)
 
     def _measure(
-        self, pictures: Mapping[str, Picture], view: int, centre: FloatArray
+        self, pictures: Mapping[str, FramePixels], view: int, centre: FloatArray
     ) -> Superpixels | None:
         """Measure the superpixels around a position; None where it is outside the picture."""
         layout = self.layout
@@ -196,7 +196,7 @@ class Run:
 
     def _find(
         self,
-        pictures: Mapping[str, Picture],
+        pictures: Mapping[str, FramePixels],
         key: tuple[int, int],
         centre: FloatArray,
         result: FrameResult,
@@ -269,7 +269,7 @@ class Run:
 
     def _find_hidden(
         self,
-        pictures: Mapping[str, Picture],
+        pictures: Mapping[str, FramePixels],
         fixed: set[tuple[int, int]],
         result: FrameResult,
     ) -> None:

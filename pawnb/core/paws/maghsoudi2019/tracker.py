@@ -15,7 +15,7 @@ from pawnb.core.paws.layout import (
 )
 from pawnb.core.paws.maghsoudi2019.collisions import Collisions
 from pawnb.core.paws.maghsoudi2019.frame_result import FrameResult
-from pawnb.core.paws.maghsoudi2019.restart import Plan, prepare_again
+from pawnb.core.paws.maghsoudi2019.restart import RestartPlan, prepare_again
 from pawnb.core.paws.maghsoudi2019.run import Run
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import DEFAULT_TEMPLATE, load_template
@@ -111,7 +111,7 @@ def track_maghsoudi2019(
     frames, tracks = task.frames, task.tracks
     if tracks is None:
         check_every_point_started(start, layout)
-        plan = Plan(read_start(start, layout, frames))
+        plan = RestartPlan(read_start(start, layout, frames))
         first = min(plan.placements)
     else:
         first = frames[0]
@@ -142,7 +142,7 @@ def track_maghsoudi2019(
 
 
 def _run(
-    run: Run, views: Views, plan: Plan, first: int, task: TrackingRequest
+    run: Run, views: Views, plan: RestartPlan, first: int, task: TrackingRequest
 ) -> list[FrameResult]:
     """Go through the frames from the first on; return a result for each one done."""
     results: list[FrameResult] = []

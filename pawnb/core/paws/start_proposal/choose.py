@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.paws.start_proposal.places import Places, Stage
+from pawnb.core.paws.start_proposal.places import CandidatePlaces, Stage
 from pawnb.core.rig import Rig
 
 _ABOVE_SD, _BELOW_SD = 0.2, 0.06
@@ -92,13 +92,13 @@ class ViewGeometry:
 
 
 def choose_places(
-    parts: Sequence[Places], *, paws: Sequence[Paw], stage: Stage, geometry: ViewGeometry
+    parts: Sequence[CandidatePlaces], *, paws: Sequence[Paw], stage: Stage, geometry: ViewGeometry
 ) -> dict[Paw, tuple[np.ndarray, float]]:
     """Choose a place for each paw in one frame.
 
     Parameters
     ----------
-    parts : sequence of Places
+    parts : sequence of CandidatePlaces
         What each group of views sees.
     paws : sequence of Paw
         The paws that are looked for.
@@ -128,7 +128,7 @@ def choose_places(
 
 
 def _best_pair(
-    places: Places, scores: Mapping[bool, np.ndarray], stage: Stage
+    places: CandidatePlaces, scores: Mapping[bool, np.ndarray], stage: Stage
 ) -> tuple[dict[bool, int], float]:
     """Return the best front and hind place of one side, and how clear of each other they are."""
     along = places.xyz @ stage.axes[0]
@@ -171,7 +171,7 @@ def _each_its_own(
     return kept
 
 
-def _rate(places: Places, stage: Stage, side: int, is_front: bool) -> FloatArray:
+def _rate(places: CandidatePlaces, stage: Stage, side: int, is_front: bool) -> FloatArray:
     """Return how well each place fits a paw, 0 to 1."""
     along, aside, height = (places.xyz @ stage.axes.T).T
     span = stage.span

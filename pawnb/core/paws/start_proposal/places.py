@@ -41,7 +41,7 @@ _LEAST_PLACES = 20
 
 
 @dataclass(frozen=True)
-class Places:
+class CandidatePlaces:
     """Places in space that could be paws, n of them.
 
     Parameters
@@ -93,7 +93,9 @@ class Stage:
         return self.front - self.hind
 
 
-def pair_blobs(rig: Rig, blobs: Mapping[str, Blobs], *, paw_px: Mapping[str, float]) -> Places:
+def pair_blobs(
+    rig: Rig, blobs: Mapping[str, Blobs], *, paw_px: Mapping[str, float]
+) -> CandidatePlaces:
     """Find the places that two of the views see.
 
     Parameters
@@ -107,10 +109,10 @@ def pair_blobs(rig: Rig, blobs: Mapping[str, Blobs], *, paw_px: Mapping[str, flo
 
     Returns
     -------
-    Places
+    CandidatePlaces
         One for each pair of spots whose lines of sight meet.
     """
-    parts = [Places(np.empty((0, 3)), np.empty(0), np.empty(0))]
+    parts = [CandidatePlaces(np.empty((0, 3)), np.empty(0), np.empty(0))]
     for a, b in itertools.combinations(blobs, 2):
         here, there = blobs[a], blobs[b]
         uv = np.stack(np.broadcast_arrays(here.uv[:, None], there.uv[None]), axis=2)
@@ -118,11 +120,11 @@ def pair_blobs(rig: Rig, blobs: Mapping[str, Blobs], *, paw_px: Mapping[str, flo
         solved = rig.subset((a, b)).triangulate(uv.reshape(-1, 2, 2))
         residual = solved.residual_px / (0.5 * (paw_px[a] + paw_px[b]))
         good = (residual < WORST_RESIDUAL) & (strength > _LEAST_STRENGTH)
-        parts.append(Places(solved.xyz[good], strength[good], residual[good]))
+        parts.append(CandidatePlaces(solved.xyz[good], strength[good], residual[good]))
     return join(parts)
 
 
-def on_ground(rig: Rig, view: str, blobs: Blobs, *, stage: Stage) -> Places:
+def on_ground(rig: Rig, view: str, blobs: Blobs, *, stage: Stage) -> CandidatePlaces:
     """Find where the lines of sight of one view meet the ground.
 
     Parameters
@@ -138,7 +140,7 @@ def on_ground(rig: Rig, view: str, blobs: Blobs, *, stage: Stage) -> Places:
 
     Returns
     -------
-    Places
+    CandidatePlaces
         One for each spot that is on the ground in front of the camera.
     """
     L = rig.coefs[:, rig.index(view)]
@@ -149,21 +151,22 @@ def on_ground(rig: Rig, view: str, blobs: Blobs, *, stage: Stage) -> Places:
     matrix = np.stack(rows, axis=1)
     good = np.abs(np.linalg.det(matrix)) > 1e-12 * np.abs(matrix).max(axis=(1, 2)) ** 3
     xyz = np.linalg.solve(matrix[good], right[good][..., None])[..., 0]
-    return Places(xyz, blobs.strength[good], np.full(len(xyz), np.nan))
+    return CandidatePlaces(xyz, blobs.strength[good], np.full(len(xyz), np.nan))
 
 
-def join(parts: Sequence[Places]) -> Places:
+def join(parts: Sequence[CandidatePlaces]) -> CandidatePlaces:
     """Return the places of all parts, in their order."""
     names = ("xyz", "strength", "residual")
-    return Places(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+    joined = (np.concatenate([getattr(part, name) for part in parts]) for name in names)
+    return CandidatePlaces(*joined)
 
 
-def find_stage(places: Places, rig: Rig) -> Stage | None:
+def find_stage(places: CandidatePlaces, rig: Rig) -> Stage | None:
     """Find the ground, the line between left and right, and where the paws stand.
 
     Parameters
     ----------
-    places : Places
+    places : CandidatePlaces
         Places of many frames from all over the recording.
     rig : Rig
         Its directions forward and up.

@@ -29,14 +29,14 @@ from pawnb.core.paws.start_proposal.blobs import (
 )
 from pawnb.core.paws.start_proposal.choose import RESIDUAL_SD, Paw, ViewGeometry, choose_places
 from pawnb.core.paws.start_proposal.places import (
-    Places,
+    CandidatePlaces,
     Stage,
     find_stage,
     join,
     on_ground,
     pair_blobs,
 )
-from pawnb.core.paws.superpixels import Picture
+from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.pixels.grey import has_colour
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
@@ -194,12 +194,12 @@ class _Looks:
         whole = (self._whole(pictures[name], name) for name in self.views.names)
         return any(image.ndim == 3 and has_colour(image) for image in whole)
 
-    def likeness(self, picture: Picture, name: str) -> np.ndarray:
+    def likeness(self, picture: FramePixels, name: str) -> np.ndarray:
         """Return the likeness of the whole picture of a view."""
         width = self.views.readers[name].width
         return paw_likeness(self._whole(picture, name), PAW_SHARE * width, look=self.look)
 
-    def _whole(self, picture: Picture, name: str) -> np.ndarray:
+    def _whole(self, picture: FramePixels, name: str) -> np.ndarray:
         """Return the whole picture of a view."""
         reader = self.views.readers[name]
         return np.asarray(picture.crop(0, 0, reader.width, reader.height))
@@ -216,7 +216,7 @@ def _find(
     views = looks.views
     seen = _look_through(looks, progress)
     paw_px = {name: PAW_SHARE * views.readers[name].width for name in views.names}
-    places: dict[int, list[Places]] = {}
+    places: dict[int, list[CandidatePlaces]] = {}
     for frame, blobs in seen.items():
         places[frame] = [
             pair_blobs(rig, {name: blobs[name] for name in names}, paw_px=paw_px)

@@ -140,7 +140,7 @@ def place_in_space(
             progress(len(frames), _n_passes() * len(needed))
     if len(frames) < len(needed):  # stopped: some frames do not tell of all
         return _blank(len(track), places.shape[1:3])
-    solver = _Solver(
+    solver = _SpaceSolver(
         fitter,
         frames,
         track.poses.frames[needed],
@@ -174,7 +174,7 @@ def _read(
         yield row, reader.frame(int(number))
 
 
-class _Solver:
+class _SpaceSolver:
     """Fits all frames, again and again.
 
     Parameters

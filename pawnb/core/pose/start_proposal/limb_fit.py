@@ -12,7 +12,7 @@ from scipy.optimize import least_squares, linear_sum_assignment
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.start_proposal.body_fit import BodyFit
-from pawnb.core.pose.start_proposal.silhouette import Limb, Silhouette, sample_grid
+from pawnb.core.pose.start_proposal.silhouette import LimbOutline, Silhouette, sample_grid
 
 UNMATCHED = 12.0
 """Cost of a leg without a limb; a limb that fits worse than this is nobody's."""
@@ -46,8 +46,8 @@ class LegFit:
 
 
 def assign_limbs(
-    animal: StickAnimal, body: BodyFit, limbs: Sequence[Limb]
-) -> tuple[dict[str, Limb], dict[str, float], float]:
+    animal: StickAnimal, body: BodyFit, limbs: Sequence[LimbOutline]
+) -> tuple[dict[str, LimbOutline], dict[str, float], float]:
     """Say which limb is which leg: by direction, length and the place where it leaves the body.
 
     Parameters
@@ -56,12 +56,12 @@ def assign_limbs(
         The animal.
     body : BodyFit
         Its body in the outline.
-    limbs : sequence of Limb
+    limbs : sequence of LimbOutline
         The limbs.
 
     Returns
     -------
-    found : dict of str to Limb
+    found : dict of str to LimbOutline
         Limb of each leg that has one.
     margins : dict of str to float
         How much worse the picture is explained when a leg changes limbs with another or
@@ -98,8 +98,8 @@ def assign_limbs(
 
 
 def shared_limb(
-    leg: Leg, body: BodyFit, found: dict[str, Limb], *, outline: Silhouette
-) -> Limb | None:
+    leg: Leg, body: BodyFit, found: dict[str, LimbOutline], *, outline: Silhouette
+) -> LimbOutline | None:
     """Return the limb that a leg without one shares with another that lies close beside it.
 
     Parameters
@@ -108,14 +108,14 @@ def shared_limb(
         The leg without a limb.
     body : BodyFit
         Where the body lies.
-    found : dict of str to Limb
+    found : dict of str to LimbOutline
         Limbs of the other legs.
     outline : Silhouette
         The outline.
 
     Returns
     -------
-    Limb or None
+    LimbOutline or None
         The likeliest limb that is thick enough for two, cut to the leg's length; None where
         there is none.
     """
@@ -130,14 +130,16 @@ def shared_limb(
             np.hypot(*(limb.root - body.place(np.array(leg.attach))))
         )
         inner = along <= max(rest, 0.5 * along[-1])
-        cut = Limb(limb.path[inner], float(along[inner][-1]), 0.0)
+        cut = LimbOutline(limb.path[inner], float(along[inner][-1]), 0.0)
         cost = _cost(leg, body, cut, longer=0.0, slack=_LENGTH)
         if cost < least:
             best, least = cut, cost
     return best
 
 
-def fit_leg(leg: Leg, body: BodyFit, limb: Limb, *, outline: Silhouette, margin: float) -> LegFit:
+def fit_leg(
+    leg: Leg, body: BodyFit, limb: LimbOutline, *, outline: Silhouette, margin: float
+) -> LegFit:
     """Bend a leg so that it lies along a limb.
 
     Parameters
@@ -146,7 +148,7 @@ def fit_leg(leg: Leg, body: BodyFit, limb: Limb, *, outline: Silhouette, margin:
         The leg.
     body : BodyFit
         Where the body lies.
-    limb : Limb
+    limb : LimbOutline
         Its limb.
     outline : Silhouette
         The outline that the limb is part of.
@@ -219,7 +221,7 @@ def count_crossings(chains: Sequence[np.ndarray]) -> int:
 
 
 def _cheapest(
-    animal: StickAnimal, body: BodyFit, limbs: Sequence[Limb], *, longer: float, slack: float
+    animal: StickAnimal, body: BodyFit, limbs: Sequence[LimbOutline], *, longer: float, slack: float
 ) -> tuple[IntArray, FloatArray]:
     """Return the cheapest limb of each leg, and the cost of each pair.
 
@@ -238,20 +240,20 @@ def _cheapest(
     return columns[np.argsort(rows)], whole
 
 
-def _thickness(limb: Limb, outline: Silhouette) -> float:
+def _thickness(limb: LimbOutline, outline: Silhouette) -> float:
     """Return the mean half thickness of a limb's inner half, grid px."""
     inner = limb.path[: max(1, len(limb.path) // 2)]
     return float(np.mean(sample_grid(outline.depth, inner)))
 
 
-def _length_ratio(leg: Leg, body: BodyFit, limb: Limb) -> float:
+def _length_ratio(leg: Leg, body: BodyFit, limb: LimbOutline) -> float:
     """Return the logarithm of a limb's length over the leg's."""
     attach = body.place(np.array(leg.attach))
     arc = limb.length + float(np.hypot(*(limb.root - attach)))
     return float(np.log(arc / (body.scale * sum(leg.lengths))))
 
 
-def _cost(leg: Leg, body: BodyFit, limb: Limb, *, longer: float, slack: float) -> float:
+def _cost(leg: Leg, body: BodyFit, limb: LimbOutline, *, longer: float, slack: float) -> float:
     """Return how badly a limb fits a leg: squares of deviations over their usual size."""
     attach = body.place(np.array(leg.attach))
     lengths = np.array(leg.lengths)

@@ -20,7 +20,7 @@ from pawnb.core.pose.start_proposal.limb_fit import (
 )
 from pawnb.core.pose.start_proposal.silhouette import (
     BackgroundModel,
-    Limb,
+    LimbOutline,
     Silhouette,
     find_silhouette,
     trace_limbs,
@@ -80,7 +80,7 @@ class _Look:
     frame: int
     outline: Silhouette
     body: BodyFit
-    found: dict[str, Limb]
+    found: dict[str, LimbOutline]
     margins: dict[str, float]
     cost: float
 

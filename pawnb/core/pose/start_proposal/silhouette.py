@@ -88,7 +88,7 @@ class Silhouette:
 
 
 @dataclass(frozen=True)
-class Limb:
+class LimbOutline:
     """One limb: the way from its tip to the body.
 
     Parameters
@@ -167,7 +167,7 @@ def find_silhouette(image: ByteArray, background: BackgroundModel) -> Silhouette
     return Silhouette(part, core, depth, ridge, (u0, v0), shrink, at_edge, others)
 
 
-def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb]:
+def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[LimbOutline]:
     """Find the limbs, the longest first: the farthest pixel from the body and its way there.
 
     Each next tip is the farthest pixel that no limb found before covers, as in the
@@ -184,7 +184,7 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
 
     Returns
     -------
-    list of Limb
+    list of LimbOutline
         The limbs.
     """
     middle = outline.depth / np.maximum(cv2.dilate(outline.depth, np.ones((7, 7))), 1e-6)
@@ -193,7 +193,7 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
     walk = MCP_Geometric(cost)
     far, _ = walk.find_costs(np.argwhere(outline.core))
     open_ = outline.mask & ~outline.core & np.isfinite(far)
-    limbs: list[Limb] = []
+    limbs: list[LimbOutline] = []
     covered = cv2.dilate(outline.core.astype(np.uint8), np.ones((3, 3))).astype(bool)
     open_ &= ~covered
     while len(limbs) < most and open_.any():
@@ -210,7 +210,7 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
         covered |= away <= width
         open_ &= ~covered
         if own >= shortest:
-            limbs.append(Limb(way[:, ::-1].astype(float), float(steps.sum()), own))
+            limbs.append(LimbOutline(way[:, ::-1].astype(float), float(steps.sum()), own))
     return limbs
 
 

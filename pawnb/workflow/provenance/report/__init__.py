@@ -1,7 +1,8 @@
 """Pages a person reads: the index of a folder of gait results, and the report of a study.
 
-``words`` say what each file is, ``methods_text`` what was done, ``html`` lays out; ``index_page``
-is written with every gait analysis, ``report`` makes one page that needs no other file.
+Comes in: tables, figures and their record. Goes out: pages of HTML. ``words`` say what each file
+is, ``methods_text`` what was done, ``html`` lays out; ``index_page`` is written with every gait
+analysis, ``report`` makes one page that needs no other file.
 """
 
 from pawnb import _lazy

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.compiled import Compiled
-from pawnb.core.paws.offline.scene.body_frame import BodyFrame
+from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
 PACKAGE = "pawnb.core.paws.offline."
@@ -119,7 +119,7 @@ def make_stack():
         n, height, width = grey.shape
         h, w = height // spacing, width // spacing
         forward = np.broadcast_to(np.float32(flow), (max(n - 1, 0), h, w, 2))
-        body = BodyFrame(np.zeros((n, 2)), np.zeros(n), "stays", pans=False)
+        body = ViewBodyFrame(np.zeros((n, 2)), np.zeros(n), "stays", pans=False)
         to_body = np.tile(np.eye(3)[:2], (n, 1, 1))
         return BodyStack(grey, colour, to_body, forward, -forward, spacing, body, 1.0, 60.0)
 

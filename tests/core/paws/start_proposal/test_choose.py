@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.start_proposal.choose import Paw, ViewGeometry, choose_places
-from pawnb.core.paws.start_proposal.places import Places, Stage, join
+from pawnb.core.paws.start_proposal.places import CandidatePlaces, Stage, join
 from pawnb.core.rig import Rig
 
 # cameras infinitely far away, two on each side, 30 degrees apart and looking down a little
@@ -30,7 +30,7 @@ TRUE = {"FR": (25, -10, 2), "HR": (-10, -12, 2), "FL": (10, 10, 2), "HL": (-25, 
 def places(*xyz, strength=1.0):
     """Return places on which views agree well."""
     at = np.array(xyz, float).reshape(-1, 3)
-    return Places(at, np.full(len(at), strength), np.full(len(at), 0.02))
+    return CandidatePlaces(at, np.full(len(at), strength), np.full(len(at), 0.02))
 
 
 def choose(right, left):

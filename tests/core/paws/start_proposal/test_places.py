@@ -14,7 +14,13 @@ from pawnb.core.paws.start_proposal.blobs import (
     paw_likeness,
     share_as_paw_like,
 )
-from pawnb.core.paws.start_proposal.places import Places, Stage, find_stage, on_ground, pair_blobs
+from pawnb.core.paws.start_proposal.places import (
+    CandidatePlaces,
+    Stage,
+    find_stage,
+    on_ground,
+    pair_blobs,
+)
 from pawnb.core.rig import Rig
 
 # two cameras infinitely far away, 30 degrees apart and looking down a little
@@ -178,7 +184,7 @@ def stand(rng, *, tilt=None, clutter=400, tail_sd=5.0):
     residual = np.concatenate(
         [np.abs(rng.normal(0, 0.03, 480 + 900)), rng.uniform(0, 0.2, clutter)]
     )
-    return Places(xyz, np.full(len(xyz), 0.8), residual)
+    return CandidatePlaces(xyz, np.full(len(xyz), 0.8), residual)
 
 
 def test_ground_middle_and_span_are_told_from_tail_and_clutter():
@@ -209,7 +215,7 @@ def test_directions_of_the_rig_are_kept_to():
 
 def test_too_few_places_make_no_ground():
     places = stand(np.random.default_rng(0))
-    few = Places(places.xyz[:10], places.strength[:10], places.residual[:10])
+    few = CandidatePlaces(places.xyz[:10], places.strength[:10], places.residual[:10])
     assert find_stage(few, RIG) is None
 
 

@@ -13,7 +13,7 @@ from pawnb import gait
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import pose_values, put_pose
 from pawnb.core.pose.poses import leg_angles
-from pawnb.core.pose.space.tracker import _Solver
+from pawnb.core.pose.space.tracker import _SpaceSolver
 from pawnb.core.video import open_views
 from pawnb.errors import CalibrationError, InputError, InputWarning
 from pawnb.io.native import read_tracks, tracks_table
@@ -129,13 +129,13 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
     wrong["image_origin"][:], wrong["origin"][:] = tracks["image_origin"], tracks["origin"]
     wrong["position"][16:20] = np.nan
     wrong = put_pose(wrong, int(numbers[18]), pose_values(animal, poses.poses.take([18])))
-    settled, plain = set(), _Solver._settle
+    settled, plain = set(), _SpaceSolver._settle
 
     def settle(self, k, **options):
         settled.add(int(self.numbers[k]))
         plain(self, k, **options)
 
-    monkeypatch.setattr(_Solver, "_settle", settle)
+    monkeypatch.setattr(_SpaceSolver, "_settle", settle)
     monkeypatch.setattr(retrack_pose, "_BESIDE", 3)
     again = retrack(load_trial(two_views), wrong, int(numbers[18]))
     begin, end = provenance_steps(again)[-1]["frames"]
@@ -153,7 +153,7 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
 def test_joints_in_space_go_on_where_they_were_stopped(found, two_views, tmp_path, monkeypatch):
     whole, _ = found
     taken, fitted = [], []
-    take_over, alone = _Solver._take_over, _Solver._alone
+    take_over, alone = _SpaceSolver._take_over, _SpaceSolver._alone
 
     def take_over_too(self, k, *, step):
         taken.append(k)
@@ -163,8 +163,8 @@ def test_joints_in_space_go_on_where_they_were_stopped(found, two_views, tmp_pat
         fitted.append(k)
         alone(self, k)
 
-    monkeypatch.setattr(_Solver, "_take_over", take_over_too)
-    monkeypatch.setattr(_Solver, "_alone", alone_too)
+    monkeypatch.setattr(_SpaceSolver, "_take_over", take_over_too)
+    monkeypatch.setattr(_SpaceSolver, "_alone", alone_too)
     part = track(two_views, out=tmp_path, stop=lambda: len(taken) >= 8)
     n = whole.sizes["time"]
     assert part.sizes["time"] == n

@@ -18,7 +18,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from pawnb.core.paws.offline.association.parameters import LINKS
-from pawnb.core.paws.offline.association.tracklets import Tracklet
+from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
 
@@ -34,7 +34,7 @@ class _Arcs:
 
 
 def decide(
-    tracklets: Sequence[Tracklet],
+    tracklets: Sequence[ViewTracklet],
     gains: np.ndarray,
     clicked: Mapping[int, int],
     *,
@@ -46,7 +46,7 @@ def decide(
 
     Parameters
     ----------
-    tracklets : sequence of Tracklet
+    tracklets : sequence of ViewTracklet
         N of them.
     gains : ndarray, shape (N, P)
         Log-likelihood of each being each point, beside its being none.
@@ -78,7 +78,7 @@ def decide(
 
 
 def _graph(
-    tracklets: Sequence[Tracklet], n: int, radius: float, parameters: IdentityParameters
+    tracklets: Sequence[ViewTracklet], n: int, radius: float, parameters: IdentityParameters
 ) -> _Arcs:
     """Return the arcs: through tracklets, between them, and beside them while hidden.
 
@@ -107,7 +107,7 @@ def _graph(
 
 
 def _continuations(
-    tracklets: Sequence[Tracklet],
+    tracklets: Sequence[ViewTracklet],
     begins: np.ndarray,
     ends: np.ndarray,
     radius: float,
@@ -141,7 +141,7 @@ def _continuations(
     return arcs
 
 
-def _drift(tracklets: Sequence[Tracklet]) -> float:
+def _drift(tracklets: Sequence[ViewTracklet]) -> float:
     """Return how far points stray from a constant velocity in a row, in places."""
     missed = [
         np.linalg.norm(

@@ -11,7 +11,7 @@ from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.identities import decide
 from pawnb.core.paws.offline.association.parameters import LINKS
-from pawnb.core.paws.offline.association.tracklets import Tracklet, find_candidates, link
+from pawnb.core.paws.offline.association.tracklets import ViewTracklet, find_candidates, link
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import IdentityParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
@@ -28,7 +28,7 @@ def tell_apart(
     trust: float,
     radius: float,
     parameters: IdentityParameters,
-) -> tuple[list[Tracklet], np.ndarray]:
+) -> tuple[list[ViewTracklet], np.ndarray]:
     """Cut what may be points into tracklets, and give them names.
 
     Parameters
@@ -52,7 +52,7 @@ def tell_apart(
 
     Returns
     -------
-    tracklets : list of Tracklet
+    tracklets : list of ViewTracklet
         N of them.
     names : ndarray of int, shape (N,)
         The point that each is, or -1.
@@ -120,7 +120,7 @@ def _clicked_places(
 
 
 def _gains(
-    one: Tracklet,
+    one: ViewTracklet,
     points: Sequence[int],
     *,
     others: Mapping[int, np.ndarray],
@@ -153,7 +153,7 @@ def _gains(
 
 def paint_names(
     shape: tuple[int, int, int],
-    tracklets: Sequence[Tracklet],
+    tracklets: Sequence[ViewTracklet],
     names: np.ndarray,
     *,
     points: Sequence[int],
@@ -166,7 +166,7 @@ def paint_names(
     ----------
     shape : tuple of int
         Frames, rows and columns of the grid.
-    tracklets : sequence of Tracklet
+    tracklets : sequence of ViewTracklet
         The tracklets.
     names : ndarray of int, shape (tracklets,)
         The point of each; below 0 for none.

@@ -18,7 +18,7 @@ _ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
 
 
 @dataclass(frozen=True)
-class Tracklet:
+class ViewTracklet:
     """One thing in consecutive rows that may be any of the points.
 
     Parameters
@@ -112,7 +112,7 @@ def link(
     *,
     radius: float,
     parameters: IdentityParameters,
-) -> list[Tracklet]:
+) -> list[ViewTracklet]:
     """Join candidates of neighbouring frames where there is no choice.
 
     Two that come so near to each other that either may be the other's continuation are both cut
@@ -131,7 +131,7 @@ def link(
 
     Returns
     -------
-    list of Tracklet
+    list of ViewTracklet
         In order of their first rows.
     """
     done: list[_Open] = []
@@ -171,7 +171,7 @@ class _Open:
         last = self.places[-LINKS.velocity_rows :]
         return None if len(last) < 3 else (last[-1] - last[0]) / (len(last) - 1)
 
-    def closed(self, forward: np.ndarray) -> Tracklet:
+    def closed(self, forward: np.ndarray) -> ViewTracklet:
         """Return it without what was not seen at its end."""
         places = np.array(self.places[: len(self.places) - self.unseen])
         ends = []
@@ -183,7 +183,7 @@ class _Open:
         if len(places) == 1 and len(forward):
             step = _at(forward[min(self.begin, len(forward) - 1)], places[0])
             ends = [step, step]
-        return Tracklet(self.begin, places, ends[0], ends[1])
+        return ViewTracklet(self.begin, places, ends[0], ends[1])
 
 
 def _match(

@@ -98,7 +98,7 @@ class _Reading:
         return np.ascontiguousarray(values[:, ::-1]) if self.mirrored else np.asarray(values)
 
 
-class _Known:
+class _KnownClassifier:
     """A classifier that is known by what it was learnt from: kept detections depend on it."""
 
     def __init__(self, classify: Classifier, key: str) -> None:
@@ -114,13 +114,13 @@ class PawLook(Appearance):
 
     Parameters
     ----------
-    known : _Known
+    known : _KnownClassifier
         The classifier.
     reading : _Reading
         How pictures are read.
     """
 
-    known: _Known | None = None
+    known: _KnownClassifier | None = None
     reading: _Reading | None = None
 
     def score(
@@ -271,7 +271,8 @@ def with_paw_looks(
     learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE).encode()
     how = repr(parameters).encode()
     key = hashlib.sha256(learnt_from + how + features.tobytes() + labels.tobytes()).hexdigest()
-    known = _Known(train_classifier(features, labels, n_points=1, parameters=parameters), key)
+    classifier = train_classifier(features, labels, n_points=1, parameters=parameters)
+    known = _KnownClassifier(classifier, key)
     learnt = [
         PawLook(
             np.empty(0, np.float32),

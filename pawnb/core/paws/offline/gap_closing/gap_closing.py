@@ -8,10 +8,11 @@ import numpy as np
 
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.clutter.limb_clutter import learn_limb_clutter
+from pawnb.core.paws.offline.gap_closing.clutter.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.gap_closing.conflicts import ClosedGap, resolve_conflicts
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
-from pawnb.core.paws.offline.gap_closing.limb_clutter import learn_limb_clutter
 from pawnb.core.paws.offline.gap_closing.mht import process_noise_of, state_after
 from pawnb.core.paws.offline.gap_closing.mht_kernels import (
     ExpectedPositions,
@@ -25,7 +26,6 @@ from pawnb.core.paws.offline.gap_closing.rejection import frames_to_reassociate,
 from pawnb.core.paws.offline.gap_closing.state import GapClosing, TrackingState
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras
 from pawnb.core.paws.offline.gap_closing.usual_region import usual_region
-from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate

@@ -18,7 +18,7 @@ import numpy as np
 
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.landmarks.parameters import LANDMARKS
-from pawnb.core.paws.superpixels import Picture
+from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.rig import Rig
 
 
@@ -31,7 +31,7 @@ class _Patch:
 
 
 @dataclass
-class _State:
+class _LandmarkState:
     """What is known of one landmark in one view.
 
     Parameters
@@ -92,12 +92,12 @@ class TemplateTracker:
     def __init__(self, layout: Layout, placed: Mapping[int, Sequence[Placement]]) -> None:
         self.layout, self.placed = layout, placed
         self._windows = [window_px(width) for width, _ in layout.sizes]
-        self._states: dict[tuple[int, int], _State] = {}
-        self._before: Mapping[str, Picture] | None = None
+        self._states: dict[tuple[int, int], _LandmarkState] = {}
+        self._before: Mapping[str, FramePixels] | None = None
         self.uv: list[np.ndarray] = []
         self.likeness: list[np.ndarray] = []
 
-    def step(self, frame: int, pictures: Mapping[str, Picture]) -> None:
+    def step(self, frame: int, pictures: Mapping[str, FramePixels]) -> None:
         """Follow every landmark into the next frame.
 
         Parameters
@@ -117,14 +117,16 @@ class TemplateTracker:
         for key, place in here.items():
             uv[key], likeness[key] = place.uv, 1.0
             patch = self._patch(key, place, pictures)
-            self._states[key] = _State(place.uv.copy(), self._windows[key[0]], patches=[patch])
+            self._states[key] = _LandmarkState(
+                place.uv.copy(), self._windows[key[0]], patches=[patch]
+            )
         self._agree(uv, likeness)
         self.uv.append(uv)
         self.likeness.append(likeness)
         self._before = pictures
 
     def _patch(
-        self, key: tuple[int, int], place: Placement, pictures: Mapping[str, Picture]
+        self, key: tuple[int, int], place: Placement, pictures: Mapping[str, FramePixels]
     ) -> _Patch:
         """Return how a landmark looks where it is known."""
         box = self._box(key[0], place.uv)
@@ -141,7 +143,7 @@ class TemplateTracker:
         return u0, v0, u1, v1
 
     def _grey(
-        self, pictures: Mapping[str, Picture], view: int, box: tuple[int, int, int, int]
+        self, pictures: Mapping[str, FramePixels], view: int, box: tuple[int, int, int, int]
     ) -> np.ndarray:
         """Return the grey values of a region."""
         part = np.ascontiguousarray(pictures[self.layout.views[view]].crop(*box))
@@ -150,7 +152,7 @@ class TemplateTracker:
         return cv2.GaussianBlur(grey, (0, 0), LANDMARKS.blur_px)
 
     def _follow(
-        self, key: tuple[int, int], state: _State, pictures: Mapping[str, Picture]
+        self, key: tuple[int, int], state: _LandmarkState, pictures: Mapping[str, FramePixels]
     ) -> tuple[np.ndarray, float]:
         """Follow one landmark in one view; NaN and 0 where it is not seen."""
         if self._before is None or not np.isfinite(state.uv).all():
@@ -208,7 +210,7 @@ def window_px(width: int) -> int:
 
 
 def _find(
-    state: _State, was: np.ndarray, now: np.ndarray, begin: np.ndarray
+    state: _LandmarkState, was: np.ndarray, now: np.ndarray, begin: np.ndarray
 ) -> tuple[np.ndarray, float] | None:
     """Find a landmark in the region where it was at ``begin``: where, and how much alike."""
     window = state.window

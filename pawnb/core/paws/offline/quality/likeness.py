@@ -13,7 +13,7 @@ import pandas as pd
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.quality.measures import CALIBRATED, LIKENESS, read_labels
 from pawnb.core.paws.offline.quality.parameters import QUALITY
-from pawnb.core.paws.superpixels import Picture
+from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.pixels.grey import grey
 from pawnb.schema import Tracks
 
@@ -72,7 +72,7 @@ def measure_likeness(views: Views, tracks: Tracks, clicks: pd.DataFrame) -> np.n
 
 
 def _about(
-    picture: Picture, at: np.ndarray, size: tuple[int, int], *, body: float, spare: int
+    picture: FramePixels, at: np.ndarray, size: tuple[int, int], *, body: float, spare: int
 ) -> np.ndarray | None:
     """Return the scaled grey values about a place; None where that is off the picture."""
     if not (np.isfinite(at).all() and np.isfinite(body)):

@@ -16,7 +16,7 @@ from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
 @dataclass(frozen=True)
-class BodyFrame:
+class ViewBodyFrame:
     """Where the animal is.
 
     Parameters
@@ -50,7 +50,7 @@ def find_body_frame(
     *,
     scale: float,
     parameters: SceneParameters,
-) -> BodyFrame:
+) -> ViewBodyFrame:
     """Find the body's frame from small pictures of the whole view.
 
     Four frames are tried: one that stays, one that follows the median motion of features that
@@ -74,7 +74,7 @@ def find_body_frame(
 
     Returns
     -------
-    BodyFrame
+    ViewBodyFrame
         In px of the view.
     """
     n = len(pictures)
@@ -98,7 +98,7 @@ def find_body_frame(
     centre, angle = tried[best]
     if best != "stays":
         centre, angle = _held(centre, angle, CAMERA.body_step * extent)
-    return BodyFrame(centre / scale, angle, best, camera.pans)
+    return ViewBodyFrame(centre / scale, angle, best, camera.pans)
 
 
 def _moving(blob: Blob) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -149,7 +149,7 @@ def _alikeness(
     weights = np.exp(-(x**2 + y**2) / (2 * (CAMERA.body_side_px / CAMERA.body_window) ** 2))
     weights /= weights.sum()
     compared = np.unique(np.linspace(0, n - 1, min(n, CAMERA.body_compared)).astype(int))
-    rotation = BodyFrame(centre, angle, "", pans=False).rotations()
+    rotation = ViewBodyFrame(centre, angle, "", pans=False).rotations()
 
     def patch(t: int, offset: np.ndarray) -> np.ndarray:
         A = rotation[t] * (CAMERA.body_side_px / (CAMERA.body_shown * extent))

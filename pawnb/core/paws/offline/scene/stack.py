@@ -14,7 +14,7 @@ from pawnb.core.parallel import Threads
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
-from pawnb.core.paws.offline.scene.body_frame import BodyFrame, find_body_frame
+from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame, find_body_frame
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 _KEPT_BYTES = 2e9
@@ -42,7 +42,7 @@ class BodyStack:
         Optical flow from each frame to the next, and from the next to it, in places.
     spacing : int
         Working px between places.
-    body : BodyFrame
+    body : ViewBodyFrame
         How the frame was found.
     scale : float
         Working px in one px of the view.
@@ -59,7 +59,7 @@ class BodyStack:
     forward: np.ndarray
     backward: np.ndarray
     spacing: int
-    body: BodyFrame
+    body: ViewBodyFrame
     scale: float
     extent_px: float
     ends: tuple[tuple[bool, bool], tuple[bool, bool]] = ((False, False), (False, False))

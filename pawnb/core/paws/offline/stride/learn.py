@@ -20,7 +20,7 @@ from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 
 
 @dataclass(frozen=True)
-class Gait:
+class KnownGait:
     """What is known of the points before their strides are.
 
     Parameters
@@ -45,7 +45,7 @@ class Gait:
 
 
 def learn_stride(
-    smoothed: SmoothedTracks, gap_closing: GapClosing, body: np.ndarray, *, gait: Gait
+    smoothed: SmoothedTracks, gap_closing: GapClosing, body: np.ndarray, *, gait: KnownGait
 ) -> StrideModel:
     """Learn strides from tracks.
 
@@ -57,7 +57,7 @@ def learn_stride(
         When points stand, and which of their places are certain.
     body : ndarray, shape (n, d)
         The slowly moving middle of the tracks.
-    gait : Gait
+    gait : KnownGait
         What is known beforehand.
 
     Returns
@@ -81,7 +81,7 @@ def learn_stride(
 
 
 def _liftoff_velocity(
-    smoothed: SmoothedTracks, gap_closing: GapClosing, gait: Gait
+    smoothed: SmoothedTracks, gap_closing: GapClosing, gait: KnownGait
 ) -> np.ndarray | None:
     """Return how much speeds change at lift-off; None where nothing is known of the ground."""
     if gap_closing.substrate is None:
@@ -99,7 +99,7 @@ def _swings(
     duty_factor: DutyFactor | None,
     *,
     lost: np.ndarray,
-    gait: Gait,
+    gait: KnownGait,
 ) -> Swings | None:
     """Return where points swing; None without a rhythm, or where no view shows heights.
 

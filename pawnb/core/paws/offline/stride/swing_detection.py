@@ -108,7 +108,7 @@ def find_swings(
     """
     found = []
     for p, mine in enumerate(stances):
-        ends = _Ends(seen[:, p], certain[:, p], duty_factor, p, fps)
+        ends = _StanceEnds(seen[:, p], certain[:, p], duty_factor, p, fps)
         for now, after in pairwise(mine):
             if after.first - now.stop >= STRIDE.least_frames:
                 land = ends.touch_down(after)
@@ -149,7 +149,7 @@ def _swing(
 
 
 @dataclass(frozen=True)
-class _Ends:
+class _StanceEnds:
     """When stances of one point begin and end, frames, and how surely."""
 
     seen: np.ndarray  # (n,)

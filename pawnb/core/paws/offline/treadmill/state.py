@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.association.network_flow.tracklet_association impor
 from pawnb.core.paws.offline.gap_closing.state import GapClosing, TrackingState
 from pawnb.core.paws.offline.smoothing.refinement import MeasurementModel
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
-from pawnb.core.paws.offline.stride.learn import Gait
+from pawnb.core.paws.offline.stride.learn import KnownGait
 from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 from pawnb.core.paws.offline.treadmill.recording import Recording
@@ -104,10 +104,10 @@ class PipelineState:
         )  # fmt: skip
 
     @property
-    def gait(self) -> Gait:
+    def gait(self) -> KnownGait:
         """What is known of the points before their strides are."""
         recording, settings = self.recording, self.recording.settings
-        return Gait(
+        return KnownGait(
             self.targets.kinds, self.targets.tracked_in_view, self.paths.motion_model,
             recording.fps, (settings.shortest_stride_s, settings.longest_stride_s),
         )  # fmt: skip

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.association.identities import decide
-from pawnb.core.paws.offline.association.tracklets import Tracklet
+from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
 RADIUS = 2.5
@@ -16,7 +16,7 @@ LEFT, RIGHT = 0, 1
 
 def tracklet(begin, end, at, step):
     places = np.array(at, float) + np.outer(np.arange(end - begin + 1), step)
-    return Tracklet(begin, places, np.array(step, float), np.array(step, float))
+    return ViewTracklet(begin, places, np.array(step, float), np.array(step, float))
 
 
 def given(tracklets, gains, clicked):

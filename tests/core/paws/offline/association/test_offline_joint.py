@@ -8,7 +8,7 @@ import pytest
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.joint import paint_names, tell_apart
-from pawnb.core.paws.offline.association.tracklets import Tracklet
+from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import AssociationParameters, IdentityParameters
 
@@ -95,8 +95,8 @@ def test_never_two_names_in_one_place(scene):
 
 def test_what_is_decided_is_open_to_its_point_and_closed_to_others():
     still = np.zeros(2)
-    one = Tracklet(1, np.array([[20.0, 10.0], [21.0, 10.0]]), still, still)
-    unnamed = Tracklet(1, np.array([[40.0, 10.0]]), still, still)
+    one = ViewTracklet(1, np.array([[20.0, 10.0], [21.0, 10.0]]), still, still)
+    unnamed = ViewTracklet(1, np.array([[40.0, 10.0]]), still, still)
     factors = paint_names(
         (4, H, W), [one, unnamed], np.array([LEG, -1]), points=[LEG, OTHER], radius=RADIUS,
         parameters=PARAMETERS,

@@ -8,7 +8,7 @@ import pytest
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.offline.detection.paw_appearance import (
     PawLook,
-    _Known,
+    _KnownClassifier,
     _Reading,
     clicked_lessons,
     tracked_lessons,
@@ -30,7 +30,9 @@ def test_the_score_is_highest_where_the_classifier_sees_a_paw(scale, mirrored):
     picture = np.full((60, 90), 10, np.uint8)
     picture[30:35, 61:66] = 250  # about (63, 32)
     reading = _Reading(scale, mirrored, 0.0, 255.0, is_colour=False)
-    detector = PawLook(np.empty(0, np.float32), 5.0, 11, known=_Known(bright, "a"), reading=reading)
+    detector = PawLook(
+        np.empty(0, np.float32), 5.0, 11, known=_KnownClassifier(bright, "a"), reading=reading
+    )
     score = detector.score(picture)
     assert score.shape == picture.shape
     weight = np.exp(score - score.max()) > 0.5

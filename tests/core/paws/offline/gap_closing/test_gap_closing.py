@@ -4,17 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pipeline_states import known_state
 
-from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing import gap_closing
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
-from pawnb.core.paws.offline.gap_closing.state import TrackingState
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
-from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.stride.swing import Swings
 
 FLAT = Projection(None)
@@ -23,14 +21,6 @@ MANNER = MotionModel(
     acceleration=1.0, jerk=0.6, speed=12.0, substrate_velocity=np.zeros(2),
     axes=np.array([[1.0, 0.0], [0.0, -1.0]]), substrate=-1000.0, body_scale=150.0, paw_width=8.0,
 )  # fmt: skip
-
-
-def known_state(chosen, annotated, body=None, **strides):
-    """What is known before any tracks are, but for what is told of strides."""
-    return TrackingState(
-        Assignment(chosen, annotated), np.full(chosen.shape, np.nan), np.zeros(chosen.shape[:2]),
-        StrideModel(**strides), body,
-    )  # fmt: skip
 
 
 def bridge(

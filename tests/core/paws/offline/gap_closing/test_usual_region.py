@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from test_gap_closing import known_state
+from pipeline_states import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps

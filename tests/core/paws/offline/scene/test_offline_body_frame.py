@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.parameters import SceneParameters
-from pawnb.core.paws.offline.scene.body_frame import BodyFrame, find_body_frame
+from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame, find_body_frame
 
 N = 50
 AXES = (30, 13)
@@ -87,7 +87,7 @@ def test_before_a_panning_camera_the_frame_follows_the_animal_in_the_picture(
 
 @pytest.mark.parametrize("degrees", [0, 90, 200])
 def test_rotations_bring_the_body_to_the_u_axis(degrees):
-    frame = BodyFrame(np.zeros((1, 2)), np.radians([degrees]), "turns", pans=False)
+    frame = ViewBodyFrame(np.zeros((1, 2)), np.radians([degrees]), "turns", pans=False)
     along = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
     np.testing.assert_allclose(frame.rotations()[0] @ along, [1, 0], atol=1e-12)
     assert np.linalg.det(frame.rotations()[0]) == pytest.approx(1)

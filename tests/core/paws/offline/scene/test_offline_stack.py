@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
 from pawnb.core.paws.offline.scene import stack as stack_module
-from pawnb.core.paws.offline.scene.body_frame import BodyFrame
+from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 
 N = 40
@@ -39,7 +39,7 @@ def test_places_of_the_grid_and_positions_in_the_view_are_inverse(spacing, angle
     c, s = scale * np.cos(angle), scale * np.sin(angle)
     to_body = np.array([[[1.0, 0, 0], [0, 1, 0]], [[c, s, shift[0]], [-s, c, shift[1]]]])
     empty = np.zeros((1, 1, 1, 2), np.float32)
-    body = BodyFrame(np.zeros((2, 2)), np.array([0, angle]), "turns", pans=False)
+    body = ViewBodyFrame(np.zeros((2, 2)), np.array([0, angle]), "turns", pans=False)
     stack = BodyStack(
         np.zeros((2, 9, 9), np.uint8), None, to_body, empty, empty, spacing, body, scale, 60.0
     )

@@ -228,7 +228,7 @@ def test_a_swing_is_not_learnt_from_another_paw(monkeypatch):
         SmoothedTracks.unknown(n, 1, 2, 3),
         x=np.zeros((n, 1, 3)), sd=np.ones((n, 1, 3)), measured=np.zeros((n, 1, 2, 2)),
     )  # fmt: skip
-    gait = learn.Gait(["front"], np.ones((1, 2), bool), MOTION, 100.0, (0.1, 1.0))
+    gait = learn.KnownGait(["front"], np.ones((1, 2), bool), MOTION, 100.0, (0.1, 1.0))
     lost = np.arange(n)[:, None] < 5
     monkeypatch.setattr(learn, "learn_swings", lambda x, weight, *_, **__: taught.append(weight))
     learn._swings(result, gap_closing, [[]], "duty_factor", lost=lost, gait=gait)

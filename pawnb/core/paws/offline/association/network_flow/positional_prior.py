@@ -12,8 +12,19 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
+from pawnb.arrays import FloatArray
+from pawnb.core.paws.offline.association.network_flow.contralateral import (
+    lateral_cost,
+)
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
-from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
+from pawnb.core.paws.offline.association.network_flow.tracklets import (
+    Tracklet,
+    joined,
+)
+from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
+from pawnb.core.paws.offline.scene.geometry import Anchors
+from pawnb.core.paws.offline.scene.treadmill import Scene
+from pawnb.core.paws.offline.treadmill.median import median
 
 _REACH = 1.5
 """Layout: the distribution holds distances up to so many spans; what is farther is in the
@@ -145,3 +156,116 @@ def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
         0,
         NETWORK_FLOW.positional_prior_bins - 1,
     )
+
+
+def first_positional_cost(
+    tracklets: Sequence[Tracklet],
+    usual: Sequence[FloatArray],
+    anchors: Anchors,
+    *,
+    scene: Scene,
+) -> FloatArray:
+    """Return the cost of being far from where each point is before all tracking.
+
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        The tracklets.
+    usual : sequence of ndarray, shape (n,)
+        For each point, where those of its kind are along forward, see :func:`where_kinds_are`.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+
+    Returns
+    -------
+    ndarray, shape (P, tracklets)
+        Costs.
+    """
+    cost = np.zeros((len(usual), len(tracklets)))
+    if not tracklets:
+        return cost
+    clicked = {
+        p: np.mean([h[p] for h in anchors.values() if p in h], axis=0)
+        for p in sorted({p for here in anchors.values() for p in here})
+    }
+    across = scene.geometry.across
+    wanders = NETWORK_FLOW.tracklet_association_wanders if len(clicked) < len(usual) else 1.0
+    frame, at, first = joined(tracklets)
+    along = at @ scene.forward
+    for p, expected in enumerate(usual):
+        if len(expected):
+            away = np.abs(along - expected[frame]) / scene.body_scale - NETWORK_FLOW.kinds_reach
+            far = np.maximum(away, 0.0) / NETWORK_FLOW.kinds_sd
+            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, NETWORK_FLOW.kinds_farthest), first)
+        if p in clicked:
+            aside = lateral_cost((at - clicked[p]) @ across, wanders * scene.body_scale)
+            cost[p] += np.add.reduceat(aside, first)
+    return cost
+
+
+def where_kinds_are(
+    places: Sequence[PointHypotheses],
+    anchors: Anchors,
+    scene: Scene,
+    *,
+    kinds: Sequence[str],
+    frames: int,
+) -> list[np.ndarray]:
+    """Return where the points of each point's kind are along forward, before all tracking.
+
+    That is where they were clicked, moved as the middle of all places, followed over some
+    frames, has moved since: an animal may run through the picture. Where front and hind paws
+    were clicked beside each other, it is where the foremost and the hindmost quarter of all
+    places begin.
+
+    Parameters
+    ----------
+    places : sequence of PointHypotheses
+        Those of each frame.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+    kinds : sequence of str
+        Kind of each point.
+    frames : int
+        Frames over which the middle is followed.
+
+    Returns
+    -------
+    list of ndarray, shape (n,)
+        One for each point, empty for a kind of which nothing is known.
+    """
+    n = len(places)
+    good = [
+        place.at[place.cost < NETWORK_FLOW.tracklet_association_good] @ scene.forward
+        for place in places
+    ]
+    middle = np.array([median(one) if len(one) else np.nan for one in good])
+    known = np.flatnonzero(np.isfinite(middle))
+    if len(known):
+        middle = np.interp(np.arange(n), known, middle[known])
+        middle = uniform_filter1d(middle, min(frames, n), mode="nearest")
+    else:
+        middle = np.zeros(n)
+    since = [
+        (kinds[p], float(x @ scene.forward) - middle[t]) for t, h in anchors.items()
+        for p, x in h.items()
+    ]  # fmt: skip
+    mean = {
+        kind: float(np.mean([at for other, at in since if other == kind]))
+        for kind in {kind for kind, _ in since}
+    }
+    told = {kind: middle + at for kind, at in mean.items() if kind != "other"}
+    beside = {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < (
+        NETWORK_FLOW.kinds_apart * scene.body_scale
+    )
+    if beside and len(known):
+        away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])
+        told = {
+            kind: middle + np.quantile(away, share)
+            for kind, share in zip(("front", "hind"), NETWORK_FLOW.kinds_quantiles, strict=True)
+        }
+    return [told.get(kind, np.empty(0)) for kind in kinds]

@@ -6,21 +6,22 @@ import copy
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from pawnb.core.paws.offline.association.network_flow.body_clutter import without_body_clutter
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
     assign_near_side,
-    lateral_cost,
     near_side_cost,
     side_cost,
 )
-from pawnb.core.paws.offline.association.network_flow.min_cost_flow import FlowCosts, MinCostFlow
+from pawnb.core.paws.offline.association.network_flow.links import FlowCosts
+from pawnb.core.paws.offline.association.network_flow.min_cost_flow import MinCostFlow
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.positional_prior import (
+    first_positional_cost,
     follow_body,
     learn_positional_prior,
     positional_cost,
+    where_kinds_are,
 )
 from pawnb.core.paws.offline.association.network_flow.splitting import (
     split_at_crossings,
@@ -44,7 +45,6 @@ from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import Cycle
-from pawnb.core.paws.offline.treadmill.median import median
 
 
 class TrackletAssociator:
@@ -213,7 +213,7 @@ class TrackletAssociator:
         ndarray, shape (n, P, d)
             The chosen places, NaN where occluded.
         """
-        start = _start_prior(self.tracklets, self._usual, self.anchors, self.scene)
+        start = first_positional_cost(self.tracklets, self._usual, self.anchors, scene=self.scene)
         nowhere = np.zeros((self.shape[0], self.shape[2]))
         start += near_side_cost(
             self.tracklets, self.anchors, self.scene, body=nowhere, kinds=self.kinds
@@ -314,98 +314,3 @@ def _motion_model(
         scene.body_scale,
         scene.paw_width,
     )
-
-
-def _start_prior(
-    tracklets: Sequence[Tracklet], usual: Sequence[np.ndarray], anchors: Anchors, scene: Scene
-) -> np.ndarray:
-    """Return the cost (P, tracklets) of being far from where a point is before all tracking.
-
-    ``usual`` has for each point where those of its kind are along forward, (n,), or nothing.
-    """
-    cost = np.zeros((len(usual), len(tracklets)))
-    if not tracklets:
-        return cost
-    clicked = {
-        p: np.mean([h[p] for h in anchors.values() if p in h], axis=0)
-        for p in sorted({p for here in anchors.values() for p in here})
-    }
-    across = scene.geometry.across
-    wanders = NETWORK_FLOW.tracklet_association_wanders if len(clicked) < len(usual) else 1.0
-    frame, at, first = joined(tracklets)
-    along = at @ scene.forward
-    for p, expected in enumerate(usual):
-        if len(expected):
-            away = np.abs(along - expected[frame]) / scene.body_scale - NETWORK_FLOW.kinds_reach
-            far = np.maximum(away, 0.0) / NETWORK_FLOW.kinds_sd
-            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, NETWORK_FLOW.kinds_farthest), first)
-        if p in clicked:
-            aside = lateral_cost((at - clicked[p]) @ across, wanders * scene.body_scale)
-            cost[p] += np.add.reduceat(aside, first)
-    return cost
-
-
-def where_kinds_are(
-    places: Sequence[PointHypotheses],
-    anchors: Anchors,
-    scene: Scene,
-    *,
-    kinds: Sequence[str],
-    frames: int,
-) -> list[np.ndarray]:
-    """Return where the points of each point's kind are along forward, before all tracking.
-
-    That is where they were clicked, moved as the middle of all places, followed over some
-    frames, has moved since: an animal may run through the picture. Where front and hind paws
-    were clicked beside each other, it is where the foremost and the hindmost quarter of all
-    places begin.
-
-    Parameters
-    ----------
-    places : sequence of PointHypotheses
-        Those of each frame.
-    anchors : Anchors
-        What is certain.
-    scene : Scene
-        Views and animal.
-    kinds : sequence of str
-        Kind of each point.
-    frames : int
-        Frames over which the middle is followed.
-
-    Returns
-    -------
-    list of ndarray, shape (n,)
-        One for each point, empty for a kind of which nothing is known.
-    """
-    n = len(places)
-    good = [
-        place.at[place.cost < NETWORK_FLOW.tracklet_association_good] @ scene.forward
-        for place in places
-    ]
-    middle = np.array([median(one) if len(one) else np.nan for one in good])
-    known = np.flatnonzero(np.isfinite(middle))
-    if len(known):
-        middle = np.interp(np.arange(n), known, middle[known])
-        middle = uniform_filter1d(middle, min(frames, n), mode="nearest")
-    else:
-        middle = np.zeros(n)
-    since = [
-        (kinds[p], float(x @ scene.forward) - middle[t]) for t, h in anchors.items()
-        for p, x in h.items()
-    ]  # fmt: skip
-    mean = {
-        kind: float(np.mean([at for other, at in since if other == kind]))
-        for kind in {kind for kind, _ in since}
-    }
-    told = {kind: middle + at for kind, at in mean.items() if kind != "other"}
-    beside = {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < (
-        NETWORK_FLOW.kinds_apart * scene.body_scale
-    )
-    if beside and len(known):
-        away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])
-        told = {
-            kind: middle + np.quantile(away, share)
-            for kind, share in zip(("front", "hind"), NETWORK_FLOW.kinds_quantiles, strict=True)
-        }
-    return [told.get(kind, np.empty(0)) for kind in kinds]

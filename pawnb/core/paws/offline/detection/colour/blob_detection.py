@@ -10,7 +10,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:

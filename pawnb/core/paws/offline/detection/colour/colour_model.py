@@ -20,26 +20,24 @@ from dataclasses import dataclass, field, replace
 
 import cv2
 import numpy as np
-from scipy.ndimage import gaussian_filter
 
 from pawnb.core.paws.offline.detection.colour.background import to_grey
 from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
     FineColours,
+    bin_numbers,
+    features_of_bins,
     fine_colours_floor,
     fine_colours_near,
+    histogram_of_bins,
     smooth_fine_colours,
 )
 from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
 from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.pixels.masks import dilate, disk_mask, region_grow
 
-_BINS = 32
-"""Layout: steps of each channel in a table of colours."""
 _FILTERS = 8
 """Layout: px beside what is looked at that filters see."""
-_SHIFT = 3
-"""Layout: bits by which 256 levels are reduced to these steps."""
 
 
 @dataclass(frozen=True)
@@ -118,63 +116,6 @@ def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
     h, w = pixels.shape[:2]
     size = (w // shrink, h // shrink)
     return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
-
-
-def bin_numbers(
-    pixels: np.ndarray,
-    around_px: int,
-    background: np.ndarray | None = None,
-    *,
-    fine_colours: FineColours | None = None,
-) -> np.ndarray:
-    """Return the bin (h, w) of each pixel of an RGB or a grey picture.
-
-    Parameters
-    ----------
-    pixels : ndarray, shape (h, w, 3) or (h, w)
-        A picture.
-    around_px : int
-        Side of what a grey pixel is compared with, px.
-    background : ndarray, optional
-        The empty scene, of the same shape.
-    fine_colours : FineColours, optional
-        Finer steps of colour.
-
-    Returns
-    -------
-    ndarray of int, shape (h, w)
-        Numbers of bins.
-    """
-    pixels = (
-        cv2.GaussianBlur(pixels, (3, 3), COLOUR.fine_blur_px)
-        if fine_colours is None
-        else fine_colours.of(pixels)
-    )
-    if pixels.ndim == 2:
-        p = pixels.astype(np.int32)
-        over_around = _over(p, cv2.blur(pixels, (around_px, around_px)))
-        # the same where nothing is known to stand still: it then says nothing
-        over_still = np.zeros_like(p) if background is None else _over(p, background)
-        return ((p >> _SHIFT) << 10) | (over_still << 5) | over_around
-    # five bits of each channel in one number
-    return cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR555).view(np.uint16)[..., 0]
-
-
-def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Return by how many steps of 8 grey levels pixels exceed others, from -8 as 0 to 31."""
-    return np.asarray(np.clip((pixels - base + (8 << _SHIFT)) >> _SHIFT, 0, _BINS - 1))
-
-
-def _features(is_colour: bool, fine_colours: FineColours | None) -> np.ndarray:
-    """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
-    n = np.arange(_BINS**3)
-    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * (1 << _SHIFT) + 0.5 * (
-        (1 << _SHIFT) - 1
-    )
-    if not is_colour or fine_colours is not None:
-        return levels
-    lab = cv2.cvtColor((levels[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
-    return lab[0].astype(float)
 
 
 def learn(
@@ -357,7 +298,7 @@ def _ratio(
     fine_colours : FineColours, optional
         What the bins are of; see :class:`Appearance`.
     """
-    features = _features(is_colour, fine_colours)
+    features = features_of_bins(is_colour, fine_colours)
     floor = np.diag(COLOUR.floor_lab if is_colour else COLOUR.floor_grey) ** 2
     if fine_colours is not None:
         floor = fine_colours_floor()
@@ -368,7 +309,7 @@ def _ratio(
         free = [~dilate(g) for g in grown]
         negative = np.mean(
             [
-                _histogram(
+                histogram_of_bins(
                     np.concatenate([n[w & f] for n, w, f in zip(numbers, part, free, strict=True)])
                 )
                 for part in rest
@@ -417,11 +358,3 @@ def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> n
     power = np.einsum("ij,jk,ik->i", away, np.linalg.inv(covariance), away)
     weight = np.exp(-0.5 * power)
     return np.asarray(weight / weight.sum())
-
-
-def _histogram(numbers: np.ndarray) -> np.ndarray:
-    """Return the smoothed frequency of each bin."""
-    count = np.bincount(numbers, minlength=_BINS**3).astype(float)
-    count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), COLOUR.histogram_blur).ravel()
-    even = COLOUR.histogram_even
-    return count / count.sum() * (1.0 - even) + even / _BINS**3

@@ -19,7 +19,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def curves() -> dict[str, tuple[tuple[float, ...], tuple[float, ...]]]:

@@ -10,7 +10,7 @@ import numpy as np
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, pad_and_stack
 from pawnb.core.paws.offline.detection.colour.label_offsets import Offsets
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.paws.offline.projection import Projection
 
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def paw_width_at(

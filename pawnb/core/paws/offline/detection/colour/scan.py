@@ -21,11 +21,11 @@ from pawnb.core.paws.offline.detection.colour.detector import (
     detect,
     endpoint_score,
 )
-from pawnb.core.paws.offline.detection.parameters import COLOUR
-from pawnb.core.paws.superpixels import Picture
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
+from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.video.views import Frame
 
-Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
+Watch: TypeAlias = Callable[[int, Mapping[str, FramePixels]], None]
 
 
 @dataclass
@@ -215,7 +215,7 @@ class _Search:
         self.at_home = rois
         self.rois = [replace(roi) for roi in rois]
 
-    def find(self, view: int, frame: int, picture: Picture) -> Detections:
+    def find(self, view: int, frame: int, picture: FramePixels) -> Detections:
         """Return the detections of the next frame of a view, and follow them."""
         self._come_home(view, frame)
         detector = self.detectors[view]
@@ -256,8 +256,8 @@ class _Search:
 def _shown(
     views: Views,
     frames: tuple[int, int],
-    watch: Callable[[int, Mapping[str, Picture]], None] | None,
-) -> Iterator[Mapping[str, Picture]]:
+    watch: Callable[[int, Mapping[str, FramePixels]], None] | None,
+) -> Iterator[Mapping[str, FramePixels]]:
     """Go through frames, each shown to whoever watches."""
     for i, pictures in views.frames(*frames, partly=True):
         if watch is not None:
@@ -265,12 +265,12 @@ def _shown(
         yield pictures
 
 
-def searched(picture: Picture, roi: ROI, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
+def searched(picture: FramePixels, roi: ROI, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
     """Return the part of a picture that is searched, reduced, and its left and top in px.
 
     Parameters
     ----------
-    picture : Picture
+    picture : FramePixels
         The whole picture.
     roi : ROI
         What is searched.

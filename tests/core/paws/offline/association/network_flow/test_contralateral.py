@@ -14,7 +14,8 @@ from pawnb.core.paws.offline.association.network_flow.contralateral import (
     side_cost,
     with_contralateral,
 )
-from pawnb.core.paws.offline.association.network_flow.min_cost_flow import FlowCosts, MinCostFlow
+from pawnb.core.paws.offline.association.network_flow.links import FlowCosts
+from pawnb.core.paws.offline.association.network_flow.min_cost_flow import MinCostFlow
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import TrackletAssociator
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from pawnb.core.paws.offline.association.network_flow.min_cost_flow import FlowCosts, MinCostFlow
+from pawnb.core.paws.offline.association.network_flow.links import FlowCosts
+from pawnb.core.paws.offline.association.network_flow.min_cost_flow import MinCostFlow
 from pawnb.core.paws.offline.association.network_flow.tracklets import (
     LinkingModel,
     Tracklet,

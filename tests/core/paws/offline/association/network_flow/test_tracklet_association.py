@@ -5,11 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.association.network_flow.tracklet_association import (
-    TrackletAssociator,
-    _start_prior,
+from pawnb.core.paws.offline.association.network_flow.positional_prior import (
+    first_positional_cost,
     where_kinds_are,
 )
+from pawnb.core.paws.offline.association.network_flow.tracklet_association import TrackletAssociator
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses, Volume
 from pawnb.core.paws.offline.detection.colour.detections import Detections
@@ -253,9 +253,13 @@ def test_a_paw_may_have_wandered_farther_aside_where_only_its_side_was_clicked()
     )
     anchors = {0: {0: HOME[0], 1: HOME[1]}}
     usual = [np.empty(0)] * 4
-    assert _start_prior(tracklets, usual[:2], anchors, stage)[0, 0] == pytest.approx(10 * 0.5)
+    assert first_positional_cost(tracklets, usual[:2], anchors, scene=stage)[0, 0] == pytest.approx(
+        10 * 0.5
+    )
     # with unlabelled targets it may be twice as far off
-    assert _start_prior(tracklets, usual, anchors, stage)[0, 0] == pytest.approx(10 * 0.5 / 4)
+    assert first_positional_cost(tracklets, usual, anchors, scene=stage)[0, 0] == pytest.approx(
+        10 * 0.5 / 4
+    )
 
 
 def test_the_manner_is_that_of_the_walk(walked):

@@ -4,9 +4,10 @@ import cv2
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.colour_model import bin_numbers, learn
+from pawnb.core.paws.offline.detection.colour.colour_model import learn
 from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
     FineColours,
+    bin_numbers,
     fine_colours_near,
 )
 from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig, detect, endpoint_score

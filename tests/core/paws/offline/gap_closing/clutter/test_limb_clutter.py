@@ -1,11 +1,11 @@
 """Limbs: detections that always lie at the same place from a paw are that paw's."""
 
 import numpy as np
-from test_gap_closing import known_state
+from pipeline_states import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.clutter.limb_clutter import learn_limb_clutter
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
-from pawnb.core.paws.offline.gap_closing.limb_clutter import learn_limb_clutter
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 

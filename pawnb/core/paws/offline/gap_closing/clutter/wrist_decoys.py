@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.clutter.wrist_kernels import WristGates, follow
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
-from pawnb.core.paws.offline.gap_closing.wrist_kernels import WristGates, follow
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_gap_closing import known_state
+from pipeline_states import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.clutter.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
-from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate

@@ -1,0 +1,59 @@
+"""The house stays one in which a room is found: limits of folders and files, and what doors say."""
+
+from __future__ import annotations
+
+import ast
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "pawnb"
+
+FILES_IN_A_FOLDER = 15
+"""In core, gait and workflow, with the ``__init__``."""
+LINES = 420
+"""About 400. Compiled loops may take more where one thought needs them."""
+LINES_OF_KERNELS = 600
+GROUPED = ("core", "gait", "workflow")
+DATA = {"pawnb/core/pose/species"}
+"""Folders of data, which have no rooms behind their door."""
+
+
+def folder_of(path):
+    return path.parent.relative_to(ROOT).as_posix()
+
+
+@pytest.mark.parametrize("part", GROUPED)
+def test_no_folder_is_too_full(part):
+    counts = Counter(folder_of(path) for path in (PACKAGE / part).rglob("*.py"))
+    assert {name: n for name, n in counts.items() if n > FILES_IN_A_FOLDER} == {}
+    assert len(counts) > 5
+
+
+def test_no_file_is_too_long():
+    long = {}
+    for path in PACKAGE.rglob("*.py"):
+        lines = path.read_text(encoding="utf-8").count("\n")
+        if lines > (LINES_OF_KERNELS if path.stem.endswith("_kernels") else LINES):
+            long[path.relative_to(ROOT).as_posix()] = lines
+    assert long == {}
+
+
+@pytest.mark.parametrize("part", GROUPED)
+def test_every_door_says_what_comes_in_and_what_goes_out(part):
+    doors = [path for path in (PACKAGE / part).rglob("__init__.py") if path.parent.name != part]
+    silent = []
+    for path in doors:
+        said = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        if folder_of(path) not in DATA and not ("Comes in:" in said and "Goes out:" in said):
+            silent.append(folder_of(path))
+    assert silent == []
+
+
+def test_tests_lie_where_what_they_test_lies():
+    rooms = {folder_of(path) for path in PACKAGE.rglob("*.py")}
+    beside = {"tests/benchmarks", "tests/browser", "tests/notebooks"}
+    lost = {folder_of(path) for path in (ROOT / "tests").rglob("test_*.py")} - beside
+    assert {name for name in lost if name.replace("tests", "pawnb", 1) not in rooms} == set()
