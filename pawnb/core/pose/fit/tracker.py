@@ -27,7 +27,8 @@ from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.viterbi_path import chosen_poses
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors
-from pawnb.core.pose.fit.learning.pose_prior import learn_from_all
+from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
+from pawnb.core.pose.fit.learning.pose_prior import learn_pose_prior
 from pawnb.core.pose.fit.learning.relearn import learn_again
 from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
@@ -105,20 +106,22 @@ def track_pose(
     steps = Steps(2 * len(numbers) + between, progress, stop)
     follow = partial(
         follow_all,
-        fitter,
         frames=frames,
         read=_Ways(reader, steps).read,
         steps=steps,
         kept=kept or KeptFrames(),
     )
-    found = follow(known)
+    found = follow(fitter, known)
     poses = chosen_poses(fitter, found)
-    if not steps.stopped() and learn_from_all(fitter, found, poses):
+    attached = None if steps.stopped() else find_attached_clutter(fitter, found, poses)
+    if attached is not None:
+        fitter = fitter.with_clutter(dataclasses.replace(fitter.clutter, attached=attached))
+        fitter = learn_pose_prior(fitter, found, poses)
         steps.total += len(numbers) + between
         known = {i: fit_known(fitter, reader.frame(i), pose)[0] for i, pose in known.items()}
-        found = follow(known, turn="again ")
+        found = follow(fitter, known, turn="again ")
         poses = chosen_poses(fitter, found)
-    poses = learn_again(fitter, found, poses)
+    fitter, poses = learn_again(fitter, found, poses)
     settled = _finish(fitter, found, poses, steps)
     steps.end()
     return _result(animal, look, fitter, numbers, found, settled)
@@ -143,7 +146,8 @@ def _begin(
     # one animal has one size: where another start pose is larger, its legs are longer
     start = dataclasses.replace(start, scale=np.full(len(start), float(look.scale[0])))
     vectors = pose_vectors(animal, start, factor=fitter.evidence.factor)
-    known = {frame.index: _checked(*fit_start(fitter, frame, first), frame=frame.index)}
+    fitter, pose, support = fit_start(fitter, frame, first)
+    known = {frame.index: _checked(pose, support, frame=frame.index)}
     for number, vector in zip(start.frames.tolist(), vectors, strict=True):
         if number not in known:
             fitted = fit_known(fitter, reader.frame(number), vector)
@@ -221,7 +225,7 @@ def _result(
     n, n_legs = len(numbers), len(animal.legs)
     factor = fitter.evidence.factor
     rows = np.array([c.frame for c in found], dtype=int) - int(numbers[0])
-    vectors, sds = np.full((n, fitter.n), np.nan), np.full((n, fitter.n), np.nan)
+    vectors, sds = np.full((n, fitter.index.n), np.nan), np.full((n, fitter.index.n), np.nan)
     places = np.full((n, *fitter.layout.radius.shape, 2), np.nan)
     support = np.full((n, n_legs), np.nan)
     for row, one in zip(rows, settled, strict=True):
@@ -244,7 +248,7 @@ def _result(
         poses=poses,
         xy_sd_px=sds[:, :2] * factor,
         heading_sd_deg=np.degrees(sds[:, 2]),
-        angles_sd_deg=np.degrees(sds[:, fitter.angles]),
+        angles_sd_deg=np.degrees(sds[:, fitter.index.angles]),
         places_sd_px=places,
         confidence=confidence,
         origin=origin.astype(np.int8),

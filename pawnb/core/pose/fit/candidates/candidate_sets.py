@@ -54,6 +54,11 @@ class LegCandidates:
     alternatives: list[np.ndarray] = field(default_factory=list)
 
     @property
+    def grey(self) -> FloatArray:
+        """Grey working pixels of the crop, as numbers to calculate with."""
+        return self.image.astype(float)
+
+    @property
     def is_open(self) -> bool:
         """Whether any leg has more than one candidate."""
         return any(len(c) > 1 for c in self.legs)
@@ -132,8 +137,8 @@ def only_choice(
         pose=pose,
         image=np.clip(np.round(image), 0, 255).astype(np.uint8),
         box=box,
-        legs=[pose[numbers][None] for numbers in fitter.numbers],
+        legs=[pose[numbers][None] for numbers in fitter.index.numbers],
         joints=[j[None] for j in joints],
-        worth=[np.zeros(1) for _ in fitter.numbers],
-        unlikely=[np.zeros(1) for _ in fitter.numbers],
+        worth=[np.zeros(1) for _ in fitter.index.numbers],
+        unlikely=[np.zeros(1) for _ in fitter.index.numbers],
     )

@@ -64,8 +64,8 @@ def limb_candidates(
     canvas = fitter.canvas(image_evidence)
     near_body = body_zone(fitter, pose, image_evidence) > 0.0
     open_to = np.empty_like(image_evidence.seen)
-    for absent in (leg, *fitter.neighbours[leg]):
-        shown = fitter.all_shown.copy()
+    for absent in (leg, *fitter.index.neighbours[leg]):
+        shown = fitter.index.all_shown.copy()
         shown[absent] = False
         paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, shown, *canvas)
         free_of_others(image_evidence, near_body, canvas[1], neutral, open_to)
@@ -137,13 +137,12 @@ def fit_leg(
     ndarray
         The leg's part of the pose vector.
     """
-    trial = pose.copy()
-    trial[fitter.numbers[leg]] = guess
+    trial, numbers = pose.copy(), fitter.index.numbers[leg]
+    trial[numbers] = guess
     part = part_about(fitter, image_evidence, pose, leg=leg, guesses=[guess])
-    fitted, _ = fitter.fit(
-        trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
-    )
-    return fitted[fitter.numbers[leg]]
+    shown = fitter.index.only[leg]
+    fitted, _ = fitter.fit(trial, part, prior, active=numbers, shown=shown, rounds=rounds)
+    return fitted[numbers]
 
 
 def part_about(
@@ -233,7 +232,7 @@ def _weigh(
     base = body_zone(fitter, choices.pose, image_evidence).copy()
     soft = fitter.settings.soft_error
     prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
-    for leg, numbers in enumerate(fitter.numbers):
+    for leg, numbers in enumerate(fitter.index.numbers):
         trial, worth, marks, unlikely = choices.pose.copy(), [], [], []
         for candidate in choices.legs[leg]:
             trial[numbers] = candidate
@@ -274,7 +273,7 @@ def _weigh(
                 continue
             if side[a] != side[b] and not _may_meet(choices.joints[a], choices.joints[b]):
                 continue
-            if b in fitter.neighbours[a]:
+            if b in fitter.index.neighbours[a]:
                 choices.crossed[a, b] = np.array(
                     [
                         [legs_cross(fitter, (a, p), (b, q)) for q in choices.joints[b]]
@@ -336,7 +335,7 @@ def _worth_keeping(alone: FloatArray, distinct: list[int], most: int) -> IntArra
 def _joints(fitter: FrameFitter, pose: FloatArray, leg: int, numbers: FloatArray) -> FloatArray:
     """Return where one leg's part of the pose vector puts its joints."""
     trial = pose.copy()
-    trial[fitter.numbers[leg]] = numbers
+    trial[fitter.index.numbers[leg]] = numbers
     joints = np.full((fitter.layout.radius.shape[1], 2), np.nan)
     leg_chain(fitter.layout, trial, leg, joints)
     return joints

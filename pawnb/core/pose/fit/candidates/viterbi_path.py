@@ -13,6 +13,7 @@ from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, fit_le
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.observation import evidence_of
 from pawnb.core.pose.fit.sequence.one_direction import Follower
 
 
@@ -34,7 +35,7 @@ def improve_viterbi_path(follower: Follower) -> None:
         return
     _adopt(follower, _paths(follower))
     doubtful = [t for t, choices in enumerate(kept) if choices.is_doubtful]
-    _on_two_threads(follower, doubtful, lambda own, part: _second_pass(follower, own, part))
+    _on_two_threads(doubtful, lambda part: _second_pass(follower, part))
     paths = _paths(follower)
     if _follow_back(follower, paths):
         paths = _paths(follower)
@@ -46,23 +47,20 @@ def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
     for t, choices in enumerate(follower.kept):
         pose = choices.pose.copy()
         for leg, which in paths[t].items():
-            pose[follower.fitter.numbers[leg]] = choices.legs[leg][which]
+            pose[follower.fitter.index.numbers[leg]] = choices.legs[leg][which]
         choices.pose = pose
 
 
-def _on_two_threads(
-    follower: Follower, frames: list[int], work: Callable[[FrameFitter, list[int]], None]
-) -> None:
-    """Work through frames in two halves, each with a fitter of its own."""
+def _on_two_threads(frames: list[int], work: Callable[[list[int]], None]) -> None:
+    """Work through frames in two halves."""
     half = len(frames) // 2
-    twins = [follower.fitter.twin() for _ in range(2)]
     with Threads(2, thread_name_prefix="pawnb-back") as pool:
-        list(pool.map(work, twins, [frames[:half], frames[half:]]))
+        list(pool.map(work, [frames[:half], frames[half:]]))
 
 
-def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> None:
+def _second_pass(follower: Follower, frames: list[int]) -> None:
     """Follow the animal backwards through doubtful frames, adding what is found."""
-    kept, last = follower.kept, len(follower.kept) - 1
+    kept, last, fitter = follower.kept, len(follower.kept) - 1, follower.fitter
     before = -1
     for t in reversed(frames):
         choices = kept[t]
@@ -70,18 +68,16 @@ def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> 
             after = min(t + 1, last)
             pose = kept[after].pose
             velocity = pose - kept[min(t + 2, last)].pose
-            velocity[fitter.lengths] = 0.0
+            velocity[fitter.index.lengths] = 0.0
         before = t
         expected = pose + CANDIDATES.viterbi_path_keep_velocity * velocity
-        image_evidence = fitter.image_evidence(
-            choices.image.astype(float), choices.box, choices.pose
-        )
+        image_evidence = evidence_of(fitter, choices.grey, choices.box, choices.pose)
         anatomy, _ = follower.priors(expected)
-        found = follower.fit_from(expected, image_evidence, fitter)
-        extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.numbers)}
+        found = follower.fit_from(expected, image_evidence)
+        extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.index.numbers)}
         add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=anatomy)
         velocity = found - pose
-        velocity[fitter.lengths] = 0.0
+        velocity[fitter.index.lengths] = 0.0
         pose = found
 
 
@@ -108,7 +104,7 @@ def _follow_back(follower: Follower, paths: list[dict[int, int]]) -> bool:
     fitter, kept = follower.fitter, follower.kept
     leap = 6 * follower.jump_px
     leaps = []
-    for leg in range(len(fitter.numbers)):
+    for leg in range(len(fitter.index.numbers)):
         for t in range(len(kept) - 1, 0, -1):
             now = kept[t].joints[leg][paths[t][leg]]
             before = kept[t - 1].joints[leg][paths[t - 1][leg]]
@@ -126,9 +122,7 @@ def _trace(follower: Follower, leg: int, t: int, numbers: FloatArray) -> None:
     velocity = np.zeros_like(numbers)
     for back in range(t - 1, max(t - 1 - CANDIDATES.most_back, -1), -1):
         choices = kept[back]
-        image_evidence = fitter.image_evidence(
-            choices.image.astype(float), choices.box, choices.pose
-        )
+        image_evidence = evidence_of(fitter, choices.grey, choices.box, choices.pose)
         found = fit_leg(
             fitter,
             choices.pose,
@@ -150,4 +144,4 @@ def _trace(follower: Follower, leg: int, t: int, numbers: FloatArray) -> None:
 
 def chosen_poses(fitter: FrameFitter, found: list[LegCandidates]) -> FloatArray:
     """Return the poses of a path, shape (n, n_parameters)."""
-    return np.array([c.pose for c in found]).reshape(len(found), fitter.n)
+    return np.array([c.pose for c in found]).reshape(len(found), fitter.index.n)

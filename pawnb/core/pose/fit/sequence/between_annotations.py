@@ -16,6 +16,7 @@ from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_ch
 from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates
 from pawnb.core.pose.fit.candidates.viterbi_path import improve_viterbi_path
 from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.observation import evidence_of, observe
 from pawnb.core.pose.fit.parallel import side_by_side
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.sequence.first_frame import start_prior
@@ -53,11 +54,11 @@ def fit_known(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> tuple[np.n
         How dark the body's place is relative to what is expected, 0 to 1.
     """
     prior = start_prior(fitter, pose)
-    image_evidence, _, _ = fitter.look(frame, pose)
+    image_evidence, _, _ = observe(fitter, frame, pose)
     for blur in SEQUENCE.between_annotations_coarse_blurs:
         soft = blurred(image_evidence, blur)
         pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
-    image_evidence, _, _ = fitter.look(frame, pose)
+    image_evidence, _, _ = observe(fitter, frame, pose)
     pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
     return pose, body_support(fitter, pose, image_evidence)
 
@@ -102,7 +103,7 @@ def follow_all(
     before, after = range(first - 1, frames[0] - 1, -1), range(last, frames[1])
 
     def back() -> list[LegCandidates]:
-        follower = Follower(fitter.twin(), known[first])
+        follower = Follower(fitter, known[first])
         found = follower.run(
             read(before), done=steps.one, kept=kept, way=f"{turn}from {first} back"
         )
@@ -155,8 +156,8 @@ def _between(
 
 def _add(fitter: FrameFitter, choices: LegCandidates, pose: np.ndarray) -> None:
     """Make each leg of another pose a candidate."""
-    image_evidence = fitter.image_evidence(choices.image.astype(float), choices.box, choices.pose)
-    extra = {leg: [pose[numbers]] for leg, numbers in enumerate(fitter.numbers)}
+    image_evidence = evidence_of(fitter, choices.grey, choices.box, choices.pose)
+    extra = {leg: [pose[numbers]] for leg, numbers in enumerate(fitter.index.numbers)}
     add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=fitter.anatomy)
 
 
@@ -165,7 +166,7 @@ def _pin(fitter: FrameFitter, kept: list[LegCandidates], known: dict[int, np.nda
     for i, choices in enumerate(kept):
         pose = known.get(choices.frame)
         if pose is not None:
-            image = choices.image.astype(float)
+            image = choices.grey
             kept[i] = only_choice(fitter, choices.frame, pose, image=image, box=choices.box)
             kept[i].alternatives = [c[:0] for c in kept[i].legs]
 

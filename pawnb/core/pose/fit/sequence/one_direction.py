@@ -28,8 +28,10 @@ from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.anatomy import about
+from pawnb.core.pose.fit.observation import evidence_of, narrowed, observe
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior, prior_cost
+from pawnb.core.pose.fit.sequence.body_search import find_body
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 from pawnb.core.pose.fit.support import body_support, count_unexplained, leg_supports
 from pawnb.core.video.views import Frame
@@ -53,13 +55,12 @@ class Follower:
         self.fitter = fitter
         self.pose = pose
         self.velocity = np.zeros_like(pose)
-        self.middle = pose[fitter.lengths].copy()
+        self.middle = pose[fitter.index.lengths].copy()
         self.kept: list[LegCandidates] = []
         self.sides = sides_of(fitter.layout.side)
         self.trellises = [ViterbiTrellis(fitter.settings.jump_px) for _ in self.sides]
         self._usual = np.full(2, np.inf)
         # numpy's own part is small: the compiled loops of two legs run side by side
-        self._twins = [fitter.twin() for _ in self.sides]
         self._pool = Threads(len(self.sides), thread_name_prefix="pawnb-legs")
         self._lost = 0
         self._astray: list[float] = []
@@ -117,13 +118,13 @@ class Follower:
         evidence = fitter.evidence
         if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
             return False
-        image_evidence, image, box = fitter.look(frame, expected, margin=np.inf)
-        found = fitter.body_found(expected, image_evidence)
+        image_evidence, image, box = observe(fitter, frame, expected, margin=np.inf)
+        found = find_body(fitter, expected, image_evidence)
         if found is expected:  # what is left out of the light is the same
-            image_evidence = fitter.narrowed(image_evidence, expected)
+            image_evidence = narrowed(fitter, image_evidence, expected)
         else:
             expected = found
-            image_evidence = fitter.image_evidence(image, box, expected)
+            image_evidence = evidence_of(fitter, image, box, expected)
         anatomy, prior = self.priors(expected)
         pose = self.fit_from(expected, image_evidence)
         if body_support(fitter, pose, image_evidence) < SEQUENCE.body_lost:
@@ -159,12 +160,8 @@ class Follower:
             viterbi_trellis.jump_px = self.jump_px
         self.kept.append(choices)
 
-    def fit_from(
-        self, expected: FloatArray, image_evidence: ImageEvidence, fitter: FrameFitter | None = None
-    ) -> FloatArray:
+    def fit_from(self, expected: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
         """Return the pose near the expected one that fits best: first blurred, then sharp.
-
-        Another thread brings its own ``fitter``.
 
         Parameters
         ----------
@@ -172,15 +169,13 @@ class Follower:
             The pose vector that is expected.
         image_evidence : ImageEvidence
             What the frame shows.
-        fitter : FrameFitter, optional
-            What is fitted with; default the follower's.
 
         Returns
         -------
         ndarray
             The pose vector.
         """
-        fitter = fitter or self.fitter
+        fitter = self.fitter
         _, prior = self.priors(expected)
         soft = blurred(image_evidence, SEQUENCE.coarse_blur)
         pose, _ = fitter.fit(
@@ -193,11 +188,11 @@ class Follower:
         """Return the prior of anatomy alone, and with the expected pose."""
         fitter = self.fitter
         middle = fitter.anatomy.middle.copy()
-        middle[fitter.lengths] = self.middle
+        middle[fitter.index.lengths] = self.middle
         anatomy = fitter.anatomy._replace(middle=middle)
-        sd = np.full(fitter.n, np.inf)
-        sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
-        sd[fitter.lengths] = fitter.settings.foreshortening_sd
+        sd = np.full(fitter.index.n, np.inf)
+        sd[fitter.index.angles] = np.radians(fitter.settings.angle_step_deg)
+        sd[fitter.index.lengths] = fitter.settings.foreshortening_sd
         return anatomy, about(anatomy, expected, sd)
 
     def _add(self, choices: LegCandidates, image_evidence: ImageEvidence, anatomy: Prior) -> None:
@@ -206,17 +201,17 @@ class Follower:
         # each thread takes the next leg; those that take long come first
         waiting = iter(np.argsort(~doubted, kind="stable").tolist())
 
-        def search(fitter: FrameFitter) -> dict[int, list[np.ndarray]]:
-            found = {}
+        def search(_: list[int]) -> dict[int, list[np.ndarray]]:
+            found, fitter = {}, self.fitter
             for leg in waiting:
-                found[leg] = self._continued(fitter, leg, choices.pose, image_evidence, anatomy)
+                found[leg] = self._continued(leg, choices.pose, image_evidence, anatomy)
                 if doubted[leg]:
                     found[leg] += limb_candidates(
                         fitter, choices.pose, leg, image_evidence=image_evidence, prior=anatomy
                     )
             return found
 
-        found = dict(ChainMap(*self._pool.map(search, self._twins)))
+        found = dict(ChainMap(*self._pool.map(search, self.sides)))
         extra = {leg: found[leg] for leg in sorted(found) if found[leg]}
         if extra:
             add_candidates(
@@ -225,7 +220,6 @@ class Follower:
 
     def _continued(
         self,
-        fitter: FrameFitter,
         leg: int,
         pose: FloatArray,
         image_evidence: ImageEvidence,
@@ -236,7 +230,7 @@ class Follower:
             return []
         return [
             fit_leg(
-                fitter,
+                self.fitter,
                 pose,
                 leg,
                 guess=numbers,
@@ -267,7 +261,7 @@ class Follower:
                 close = np.nanmin(gap[-3:]) < 2 * CANDIDATES.same_px
                 if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
                     doubted[[a, b]] = True
-        for leg, numbers in enumerate(fitter.numbers):
+        for leg, numbers in enumerate(fitter.index.numbers):
             if prior_cost(choices.pose, anatomy, numbers) > SEQUENCE.one_direction_unlikely:
                 doubted[leg] = True
         return doubted
@@ -286,11 +280,11 @@ class Follower:
                 near[which] = False
                 choices.alternatives[leg] = choices.legs[leg][near]
                 if which:
-                    pose[fitter.numbers[leg]] = choices.legs[leg][which]
+                    pose[fitter.index.numbers[leg]] = choices.legs[leg][which]
                     changed = True
         if changed:
-            sd = np.full(fitter.n, np.inf)
-            sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
+            sd = np.full(fitter.index.n, np.inf)
+            sd[fitter.index.angles] = np.radians(fitter.settings.angle_step_deg)
             pose, _ = fitter.fit(pose, image_evidence, about(prior, pose, sd), rounds=4)
         return pose
 
@@ -321,12 +315,12 @@ class Follower:
         fitter = self.fitter
         moved = pose - self.pose
         far = np.abs(fitter.joints(pose) - fitter.joints(self.pose)).reshape(
-            len(fitter.numbers), -1
+            len(fitter.index.numbers), -1
         )
-        for leg, numbers in enumerate(fitter.numbers):
+        for leg, numbers in enumerate(fitter.index.numbers):
             if np.nanmax(far[leg]) > 3 * SEQUENCE.leap_px:
                 moved[numbers] = 0.0
-        moved[fitter.lengths] = 0.0
+        moved[fitter.index.lengths] = 0.0
         self.velocity = SEQUENCE.keep_velocity * moved
-        self.middle += SEQUENCE.learn_length * (pose[fitter.lengths] - self.middle)
+        self.middle += SEQUENCE.learn_length * (pose[fitter.index.lengths] - self.middle)
         self.pose = pose

@@ -12,6 +12,7 @@ from painted_walk import painted_walk
 from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
 from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, side_energy
 from pawnb.core.pose.fit.layout import leg_numbers
+from pawnb.core.pose.fit.observation import observe
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.sequence.first_frame import first_darkness
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -26,15 +27,15 @@ def seen():
     fitter, pose = prepare_fitter(
         frame, poses.at_frame(0), animal=animal, background=background, settings=PoseSettings()
     )
-    fitter.layout = first_darkness(fitter, frame, pose)
-    image_evidence, image, box = fitter.look(frame, pose)
+    fitter = fitter.with_appearance(first_darkness(fitter, frame, pose))
+    image_evidence, image, box = observe(fitter, frame, pose)
     return fitter, pose, image_evidence, image, box
 
 
 @pytest.mark.parametrize("true_one_first", [True, False])
 def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen, true_one_first):
     fitter, pose, image_evidence, image, box = seen
-    numbers = fitter.numbers[LEG]
+    numbers = fitter.index.numbers[LEG]
     true = pose[numbers]
     odd = true.copy()
     n = len(numbers) // 2
