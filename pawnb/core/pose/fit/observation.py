@@ -48,15 +48,15 @@ def observe(
     """
     box = crop_box(fitter, expected)
     image = fitter.evidence.pixels(frame, box)
-    return evidence_of(fitter, image, box, expected, margin=margin), image, box
+    return evidence_of(fitter, expected, image=image, box=box, margin=margin), image, box
 
 
 def evidence_of(
     fitter: FrameFitter,
-    image: FloatArray,
-    box: Box,
     expected: FloatArray,
     *,
+    image: FloatArray,
+    box: Box,
     margin: float | None = None,
 ) -> ImageEvidence:
     """Return what grey pixels show, the expected animal left out of the light.
@@ -68,12 +68,12 @@ def evidence_of(
     ----------
     fitter : FrameFitter
         What poses are fitted with.
+    expected : ndarray
+        The pose vector that is expected.
     image : ndarray, shape (H, W)
         Grey pixels.
     box : tuple of int
         Their place in the picture, px.
-    expected : ndarray
-        The pose vector that is expected.
     margin : float, optional
         Room about its body, working px; default the parameter ``body_margin_px``. Infinite:
         nothing is too wide.

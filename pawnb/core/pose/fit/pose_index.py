@@ -28,6 +28,8 @@ class PoseIndex:
         Of each leg, where its part is.
     neighbours : tuple of list of int
         Of each leg, those beside it on the same side.
+    sides : tuple of list of int
+        The legs of each side.
     partner : ndarray of int, shape (legs,)
         The leg of the other side that looks alike, or the leg itself.
     all_shown, body_shown : ndarray of bool, shape (legs + 1,)
@@ -43,6 +45,7 @@ class PoseIndex:
     body: IntArray
     numbers: tuple[IntArray, ...]
     neighbours: tuple[list[int], ...]
+    sides: tuple[list[int], ...]
     partner: IntArray
     all_shown: BoolArray
     body_shown: BoolArray
@@ -92,6 +95,9 @@ def index_pose(animal: StickAnimal, layout: Layout) -> PoseIndex:
         neighbours=tuple(
             [j for j in (i - 1, i + 1) if 0 <= j < n_legs and layout.side[j] == layout.side[i]]
             for i in range(n_legs)
+        ),
+        sides=tuple(
+            [i for i, s in enumerate(layout.side) if s == which] for which in np.unique(layout.side)
         ),
         partner=partners(animal),
         all_shown=np.ones(n_legs + 1, bool),

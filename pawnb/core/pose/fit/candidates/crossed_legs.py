@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.pose.fit.candidates.leg_candidates import legs_cross, part_near
+from pawnb.core.pose.fit.candidates.leg_candidates import part_near
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
+from pawnb.core.pose.fit.candidates.weighing import legs_cross
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import leg_numbers
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior

@@ -53,7 +53,7 @@ def find_attached_clutter(
 
     def turned(t: int) -> Float32Array:
         image = found[t].grey
-        image_evidence = evidence_of(fitter, image, found[t].box, poses[t], margin=np.inf)
+        image_evidence = evidence_of(fitter, poses[t], image=image, box=found[t].box, margin=np.inf)
         out = np.empty((side, side), np.float32)
         in_body_frame(image_evidence.seen, image_evidence.box, poses[t], out)
         return out

@@ -41,7 +41,7 @@ def learn_pose_prior(
     """
 
     def support(t: int) -> FloatArray:
-        image_evidence = evidence_of(fitter, found[t].grey, found[t].box, poses[t])
+        image_evidence = evidence_of(fitter, poses[t], image=found[t].grey, box=found[t].box)
         return leg_supports(fitter, poses[t], image_evidence)
 
     supports = np.array(on_threads(support, range(len(found))))

@@ -80,7 +80,7 @@ def _fitted(
     known: Prior,
 ) -> tuple[FloatArray, ImageEvidence]:
     """Return a frame's pose, fitted again, and what the frame shows."""
-    image_evidence = evidence_of(fitter, found[i].grey, found[i].box, poses[i])
+    image_evidence = evidence_of(fitter, poses[i], image=found[i].grey, box=found[i].box)
     without = counted(fitter, poses[i], image_evidence)
     return fitter.fit(poses[i], without, known, rounds=6)[0], image_evidence
 

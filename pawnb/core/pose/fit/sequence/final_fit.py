@@ -145,7 +145,7 @@ def _fit_alone(
     fitter: FrameFitter, one: LegCandidates, pose: FloatArray, *, anatomy: Prior
 ) -> _Own:
     """Return a frame's own fit; the animal's appearance is new to it."""
-    image_evidence = counted(fitter, pose, evidence_of(fitter, one.grey, one.box, pose))
+    image_evidence = counted(fitter, pose, evidence_of(fitter, pose, image=one.grey, box=one.box))
     pose, _ = fitter.fit(
         pose, image_evidence, anatomy, rounds=SEQUENCE.final_fit_first_rounds,
         enough=SEQUENCE.final_fit_enough,

@@ -7,15 +7,14 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.candidates.candidate_kernels import paint_base
-from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
 from pawnb.core.pose.fit.candidates.leg_candidates import (
-    add_candidates,
     fit_leg,
     limb_candidates,
     part_about,
-    side_energy,
-    sides_of,
+    with_candidates,
 )
+from pawnb.core.pose.fit.candidates.weighing import side_energy
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import Layout, leg_numbers
 from pawnb.core.pose.fit.learning.anatomy import about
@@ -203,7 +202,7 @@ def _slid_along(
             best[numbers[leg]] = _best_slide(fitter, best, leg, image_evidence, prior)
         return best
 
-    sides = sides_of(fitter.layout.side)
+    sides = fitter.index.sides
     found = on_threads(best_of_side, sides)
     slid = pose.copy()
     for legs, best in zip(sides, found, strict=True):
@@ -270,7 +269,7 @@ def _choose(
     prior: Prior,
 ) -> FloatArray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
-    choices: LegCandidates = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
+    choices = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
 
     def places(leg: int) -> list[np.ndarray]:
         numbers = fitter.index.numbers[leg]
@@ -287,11 +286,11 @@ def _choose(
         return found
 
     extra = dict(enumerate(on_threads(places, range(len(fitter.index.numbers)))))
-    add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=prior)
+    choices = with_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=prior)
     if not choices.is_open:
         return pose
     best, which = pose.copy(), dict.fromkeys(range(len(fitter.index.numbers)), 0)
-    for legs in sides_of(fitter.layout.side):
+    for legs in fitter.index.sides:
         others = {leg: k for leg, k in which.items() if leg not in legs}
         energy = side_energy(choices, legs, fitter.settings.evidence_share, others=others)
         state = np.unravel_index(int(np.argmin(energy)), energy.shape)

@@ -109,7 +109,7 @@ def test_what_is_fixed_hides_legs(winged):
     fitter, found, vectors = winged
     attached = Clutter(attached=find_attached_clutter(fitter, found, vectors))
     fitter = fitter.with_clutter(attached)
-    image_evidence = evidence_of(fitter, found[5].image.astype(float), found[5].box, vectors[5])
+    image_evidence = evidence_of(fitter, vectors[5], image=found[5].grey, box=found[5].box)
     # the wings in the crop, without their edge
     place = vectors[5] - np.concatenate([found[5].box[:2], np.zeros(len(vectors[5]) - 2)])
     wings = on_wings(place, image_evidence.seen.shape)
