@@ -44,5 +44,8 @@ def on_threads(work: Callable[[_Item], _Result], items: Iterable[_Item]) -> list
     items : iterable
         The items.
     """
+    items = list(items)
+    if len(items) < 2:
+        return [work(item) for item in items]
     with Threads(THREADS, thread_name_prefix="pawnb-decide") as pool:
         return list(pool.map(work, items))

@@ -16,6 +16,7 @@ def test_results_come_in_the_order_of_the_items():
 
     assert on_threads(work, range(8)) == [0, 1, 4, 9, 16, 25, 36, 49]
     assert on_threads(work, []) == []
+    assert on_threads(lambda _: threading.current_thread(), [1]) == [threading.current_thread()]
 
 
 def test_what_fails_is_told():

@@ -94,11 +94,10 @@ def test_a_named_number_beside_the_parameters_says_why_it_is_none():
         for package in ("paws.offline", "pose.fit", "pose.space")
         for reason in reasons_of(f"pawnb.core.{package}")
     ]
-    assert [one for one in found if one.kind not in REASONS and one.module not in WAITING] == []
+    assert [one for one in found if one.kind not in REASONS] == []
     assert len(found) > 40
 
 
-WAITING = ("fitter", "parallel", "sequence.between_annotations", "sequence.first_frame")
 UNITS = {100, 255, 256, 180, 360, 90}
 """Per cent, grey values of a byte, degrees."""
 PLAIN = {0, 1, 2, 3, 4, -1, -2, 0.5} | UNITS
@@ -121,20 +120,6 @@ SHAPES = {
 }  # fmt: skip
 """Calls whose plain arguments say how something is laid out."""
 BITS = (ast.LShift, ast.RShift, ast.BitAnd, ast.Mod, ast.FloorDiv)
-
-
-FITS = {
-    "viterbi.py",
-    "viterbi_path.py",
-    "fitter.py",
-    "anatomy.py",
-    "relearn.py",
-    "prepare.py",
-    "between_annotations.py",
-    "first_frame.py",
-    "one_direction.py",
-}
-"""Steps of fits stand there still."""
 
 
 def bare_numbers(node):
@@ -162,8 +147,6 @@ def test_no_function_of_the_default_trackers_holds_a_bare_tunable():
     """Whoever has to choose a number gives it a name, a unit and evidence."""
     found = set()
     for path, code in modules():
-        if path.name in FITS:
-            continue
         for node in ast.walk(code):
             if isinstance(node, ast.FunctionDef):
                 defaults = [x for x in (*node.args.defaults, *node.args.kw_defaults) if x]

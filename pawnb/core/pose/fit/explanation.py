@@ -9,14 +9,14 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import poses_of_vectors
-from pawnb.core.pose.fit.learning.appearance import learn_appearance
+from pawnb.core.pose.fit.learning.appearance import fit_appearance
+from pawnb.core.pose.fit.observation import observe
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.rendering.paint_kernels import paint, picture_cost
 from pawnb.core.pose.fit.sequence.first_frame import (
     first_darkness,
     fit_start,
-    partners,
     start_prior,
 )
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -92,12 +92,10 @@ def explain_fit(
     fitter, vector = prepare_fitter(
         frame, pose, animal=animal, background=background, settings=settings
     )
-    fitter.layout = fitter.first = first_darkness(fitter, frame, vector)
-    image_evidence, _, box = fitter.look(frame, vector)
-    fitter.layout = learn_appearance(
-        fitter.layout, [(vector, image_evidence)], first=fitter.first, partner=partners(animal),
-        prior=start_prior(fitter, vector), blur=fitter.blur, soft=settings.soft_error,
-    )  # fmt: skip
+    fitter = fitter.with_initial_appearance(first_darkness(fitter, frame, vector))
+    image_evidence, _, box = observe(fitter, frame, vector)
+    prior = start_prior(fitter, vector)
+    fitter = fit_appearance(fitter, [(vector, image_evidence)], prior=prior)
     canvas = fitter.canvas(image_evidence)
     paint(fitter.layout, vector, fitter.blur, image_evidence.box, *canvas)
     painted = canvas[0].copy()
@@ -148,7 +146,7 @@ def fit_to_picture(
     fitter, vector = prepare_fitter(
         frame, pose, animal=animal, background=background, settings=settings
     )
-    fitted, support = fit_start(fitter, frame, vector)
+    fitter, fitted, support = fit_start(fitter, frame, vector)
     check_on_animal(support, frame=frame.index)
     scale, factor = float(pose.scale[0]), fitter.evidence.factor
     found = poses_of_vectors(animal, fitted[None], frames=pose.frames, scale=scale, factor=factor)

@@ -7,7 +7,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import FrameFitter, make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.parameters import FITTING
@@ -60,7 +60,7 @@ def prepare_fitter(
     vector = pose_vectors(animal, pose, factor=factor)[0]
     prior = anatomy(animal, vector, foreshortening_sd=settings.foreshortening_sd)
     layout = make_layout(animal, px_per_unit=scale / factor)
-    fitter = FrameFitter(animal, layout, evidence=evidence, anatomy=prior, settings=settings)
+    fitter = make_fitter(animal, layout, evidence=evidence, anatomy=prior, settings=settings)
     return fitter, vector
 
 
@@ -102,4 +102,8 @@ def _animal_light(
         )
     image = grey(frame.crop(u0, v0, u1, v1), np.float64)
     empty = np.asarray(background.mean)[v0:v1, u0:u1]
-    return float(np.percentile(image, 75)) if np.median(image - empty) > 0 else 0.0
+    return (
+        float(np.percentile(image, FITTING.light_percentile))
+        if np.median(image - empty) > 0
+        else 0.0
+    )

@@ -34,6 +34,10 @@ class Steps:
         self._teller = threading.get_ident()
         self._halted = False
 
+    def expect(self, more: int) -> None:
+        """Expect so many steps more."""
+        self.total += more
+
     def one(self) -> None:
         """Count a step."""
         with self._lock:

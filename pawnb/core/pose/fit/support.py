@@ -68,7 +68,7 @@ def body_support(fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvi
         pose,
         fitter.blur,
         image_evidence.box,
-        fitter.body_shown,
+        fitter.index.body_shown,
         value,
         owner,
         along,
@@ -130,7 +130,7 @@ def count_unexplained(
     """
     value, owner, along, joints = fitter.canvas(image_evidence)
     paint_some(
-        fitter.layout, pose, fitter.blur + 2.0, image_evidence.box, fitter.all_shown,
+        fitter.layout, pose, fitter.blur + 2.0, image_evidence.box, fitter.index.all_shown,
         value, owner, along, joints,
     )  # fmt: skip
     dark = 0.5 * float(np.median(fitter.layout.dark))

@@ -9,9 +9,9 @@ import numpy as np
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learning.appearance import learn_legs
 from pawnb.core.pose.fit.learning.appearance_kernels import look_equations
+from pawnb.core.pose.fit.pose_index import partners
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import picture_cost
-from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.space.fitter import SpaceFitter
 from pawnb.core.pose.space.frame import SpaceFrame
 from pawnb.core.pose.space.model import SpaceModel

@@ -18,9 +18,8 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import THREADS, Threads
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.parallel import THREADS
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.space.fitter import SpaceFitter

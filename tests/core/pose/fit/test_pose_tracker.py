@@ -11,9 +11,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 from painted_walk import PaintedReader, painted_walk
 
 from pawnb.core.frame_checkpoint import KeptFrames
+from pawnb.core.pose.fit.reading import WaysReader
 from pawnb.core.pose.fit.sequence.one_direction import Follower
 from pawnb.core.pose.fit.steps import Steps
-from pawnb.core.pose.fit.tracker import _Ways, track_pose
+from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import join_poses, leg_angles, tip_positions
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
@@ -91,7 +92,7 @@ def test_a_way_reads_with_a_reader_of_its_own_and_closes_it(walk):
             closed.append(self)
 
     first = Counted(reader.images)
-    ways = _Ways(first, Steps(10))
+    ways = WaysReader(first, Steps(10))
     one, other = ways.read(range(5)), ways.read(range(9, 4, -1))
     assert [next(one).index, next(other).index] == [0, 9]
     assert [f.index for f in other] == [8, 7, 6, 5]
@@ -162,7 +163,7 @@ def states(monkeypatch):
     def run_too(self, *args, **options):
         found = run(self, *args, **options)
         # what fits and paints holds no memory of earlier frames
-        known = {k: v for k, v in vars(self).items() if k not in ("fitter", "_twins", "_pool")}
+        known = {k: v for k, v in vars(found).items() if k != "fitter"}
         with np.printoptions(floatmode="unique", threshold=sys.maxsize):
             ended.append({k: _text(v) for k, v in known.items()})
         return found
@@ -172,7 +173,7 @@ def states(monkeypatch):
 
 
 def _text(value):
-    if isinstance(value, list):
+    if isinstance(value, (list, tuple)):
         return [_text(item) for item in value]
     plain = value if isinstance(value, np.ndarray) else getattr(value, "__dict__", value)
     return {k: _text(v) for k, v in plain.items()} if isinstance(plain, dict) else repr(plain)

@@ -31,9 +31,9 @@ def fitted(monkeypatch):
     numbers = []
     advance, infer = Follower.advance, _Tracker._infer
 
-    def advance_too(self, frame):
+    def advance_too(self, state, frame):
         numbers.append(frame.index)
-        return advance(self, frame)
+        return advance(self, state, frame)
 
     def infer_too(self, number, guess):
         numbers.append(number)
@@ -159,10 +159,10 @@ def test_what_differs_is_named(change, said):
 def test_the_command_says_how_to_go_on_and_a_batch_does(small_spider, capsys, monkeypatch, fitted):
     counted = Follower.advance
 
-    def advance(self, frame):
+    def advance(self, state, frame):
         if len(fitted) == 4:
             signal.raise_signal(signal.SIGINT)
-        return counted(self, frame)
+        return counted(self, state, frame)
 
     monkeypatch.setattr(Follower, "advance", advance)
     words = ["track", str(small_spider), "--set", "choose_path=false"]

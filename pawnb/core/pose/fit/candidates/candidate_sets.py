@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class LegCandidates:
     """What a frame leaves open.
 
@@ -24,19 +24,19 @@ class LegCandidates:
         The pose followed so far.
     image, box
         Grey working pixels of the crop (uint8) and where they lie, for a second look.
-    legs : list of ndarray, shape (candidates, 2 links)
+    legs : tuple of ndarray, shape (candidates, 2 links)
         Of each leg, its possible parts of the pose vector; the first is that of ``pose``.
-    joints : list of ndarray, shape (candidates, segments + 1, 2)
+    joints : tuple of ndarray, shape (candidates, segments + 1, 2)
         Where they put its joints.
-    worth : list of ndarray, shape (candidates,)
+    worth : tuple of ndarray, shape (candidates,)
         Cost of the picture with that leg alone added to the body, less that of the body.
-    unlikely : list of ndarray, shape (candidates,)
+    unlikely : tuple of ndarray, shape (candidates,)
         What anatomy makes each candidate cost.
     shared : dict
         Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
     crossed : dict
         Of neighbouring legs, whether they cross, (candidates, candidates).
-    alternatives : list of ndarray
+    alternatives : tuple of ndarray
         Of each leg, the candidates that may still be right by what was known when the frame was
         first seen, other than the one chosen then.
     """
@@ -45,13 +45,18 @@ class LegCandidates:
     pose: FloatArray
     image: ByteArray
     box: tuple[int, int, int, int]
-    legs: list[np.ndarray]
-    joints: list[np.ndarray]
-    worth: list[np.ndarray]
-    unlikely: list[np.ndarray]
+    legs: tuple[FloatArray, ...]
+    joints: tuple[FloatArray, ...]
+    worth: tuple[FloatArray, ...]
+    unlikely: tuple[FloatArray, ...]
     shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
     crossed: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
-    alternatives: list[np.ndarray] = field(default_factory=list)
+    alternatives: tuple[FloatArray, ...] = ()
+
+    @property
+    def grey(self) -> FloatArray:
+        """Grey working pixels of the crop, as numbers to calculate with."""
+        return self.image.astype(float)
 
     @property
     def is_open(self) -> bool:
@@ -63,9 +68,21 @@ class LegCandidates:
         """Whether any leg had a rival."""
         return any(len(c) for c in self.alternatives)
 
+    def with_pose(self, pose: FloatArray) -> LegCandidates:
+        """Return the frame with another pose that is followed."""
+        return replace(self, pose=pose)
+
+    def with_alternatives(self, alternatives: Mapping[int, FloatArray]) -> LegCandidates:
+        """Return the frame with alternatives of some legs, and none of the others."""
+        none = [candidates[:0] for candidates in self.legs]
+        return replace(
+            self, alternatives=tuple(alternatives.get(i, empty) for i, empty in enumerate(none))
+        )
+
     def record(self) -> dict[str, Any]:
         """Return all but the picture, as plain values and arrays."""
-        out = {name: getattr(self, name) for name in ("pose", "box", *_OF_LEGS)}
+        out = {"pose": self.pose, "box": self.box}
+        out |= {name: list(getattr(self, name)) for name in _OF_LEGS}
         return out | {name: [[*k, v] for k, v in getattr(self, name).items()] for name in _OF_PAIRS}
 
 
@@ -96,11 +113,9 @@ def recalled(
     """
     box = tuple(record["box"])
     choices = only_choice(fitter, frame, record["pose"], image=image, box=box)
-    for name in _OF_LEGS:
-        setattr(choices, name, record[name])
-    for name in _OF_PAIRS:
-        setattr(choices, name, {(a, b): costs for a, b, costs in record[name]})
-    return choices
+    found: dict[str, Any] = {name: tuple(record[name]) for name in _OF_LEGS}
+    found |= {name: {(a, b): costs for a, b, costs in record[name]} for name in _OF_PAIRS}
+    return replace(choices, **found)
 
 
 def only_choice(
@@ -132,8 +147,8 @@ def only_choice(
         pose=pose,
         image=np.clip(np.round(image), 0, 255).astype(np.uint8),
         box=box,
-        legs=[pose[numbers][None] for numbers in fitter.numbers],
-        joints=[j[None] for j in joints],
-        worth=[np.zeros(1) for _ in fitter.numbers],
-        unlikely=[np.zeros(1) for _ in fitter.numbers],
+        legs=tuple(pose[numbers][None] for numbers in fitter.index.numbers),
+        joints=tuple(j[None] for j in joints),
+        worth=tuple(np.zeros(1) for _ in fitter.index.numbers),
+        unlikely=tuple(np.zeros(1) for _ in fitter.index.numbers),
     )

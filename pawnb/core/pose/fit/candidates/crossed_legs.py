@@ -10,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.pose.fit.candidates.leg_candidates import legs_cross, part_near
+from pawnb.core.pose.fit.candidates.leg_candidates import part_near
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
+from pawnb.core.pose.fit.candidates.weighing import legs_cross
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import leg_numbers
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
@@ -38,7 +39,7 @@ def uncrossed(
     ndarray, shape (n_parameters,)
         The array given where no neighbours cross, or where the picture speaks for their crossing.
     """
-    for leg, neighbours in enumerate(fitter.neighbours):
+    for leg, neighbours in enumerate(fitter.index.neighbours):
         for other in neighbours:
             if other > leg:
                 pose = _pair(fitter, pose, (leg, other), image_evidence, prior)
@@ -61,9 +62,9 @@ def _pair(
     trial = pose.copy()
     for leg, joints in zip(legs, swapped, strict=True):
         heading = float(pose[2])
-        trial[fitter.numbers[leg]] = leg_numbers(layout, leg, joints, heading=heading)
+        trial[fitter.index.numbers[leg]] = leg_numbers(layout, leg, joints, heading=heading)
     part = part_near(image_evidence, (one, other))
-    active = np.concatenate([fitter.numbers[leg] for leg in legs])
+    active = np.concatenate([fitter.index.numbers[leg] for leg in legs])
     (_, before), (found, after) = (
         fitter.fit(which, part, prior, active=active, rounds=CANDIDATES.crossed_legs_rounds)
         for which in (pose, trial)

@@ -2,31 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.candidates.candidate_kernels import (
     free_of_others,
-    leg_footprint,
-    shared_cost,
 )
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.limb_kernels import (
     LimbSearch,
     chains_apart,
-    chains_cross,
     find_limbs,
 )
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
+from pawnb.core.pose.fit.candidates.weighing import weighed
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
     ImageEvidence,
     Prior,
     paint_some,
-    prior_cost,
 )
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 from pawnb.core.pose.fit.support import body_zone
@@ -64,8 +62,8 @@ def limb_candidates(
     canvas = fitter.canvas(image_evidence)
     near_body = body_zone(fitter, pose, image_evidence) > 0.0
     open_to = np.empty_like(image_evidence.seen)
-    for absent in (leg, *fitter.neighbours[leg]):
-        shown = fitter.all_shown.copy()
+    for absent in (leg, *fitter.index.neighbours[leg]):
+        shown = fitter.index.all_shown.copy()
         shown[absent] = False
         paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, shown, *canvas)
         free_of_others(image_evidence, near_body, canvas[1], neutral, open_to)
@@ -111,7 +109,7 @@ def fit_leg(
     guess: FloatArray,
     image_evidence: ImageEvidence,
     prior: Prior,
-    rounds: int = 4,
+    rounds: int | None = None,
 ) -> FloatArray:
     """Return one leg's part of the pose vector, fitted with the body as it is.
 
@@ -129,7 +127,7 @@ def fit_leg(
         What the frame shows.
     prior : Prior
         What is expected of the pose.
-    rounds : int
+    rounds : int, optional
         Steps at most.
 
     Returns
@@ -137,13 +135,13 @@ def fit_leg(
     ndarray
         The leg's part of the pose vector.
     """
-    trial = pose.copy()
-    trial[fitter.numbers[leg]] = guess
+    trial, numbers = pose.copy(), fitter.index.numbers[leg]
+    trial[numbers] = guess
     part = part_about(fitter, image_evidence, pose, leg=leg, guesses=[guess])
-    fitted, _ = fitter.fit(
-        trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
-    )
-    return fitted[fitter.numbers[leg]]
+    shown = fitter.index.only[leg]
+    steps = CANDIDATES.rounds_leg if rounds is None else rounds
+    fitted, _ = fitter.fit(trial, part, prior, active=numbers, shown=shown, rounds=steps)
+    return fitted[numbers]
 
 
 def part_about(
@@ -184,15 +182,15 @@ def part_near(image_evidence: ImageEvidence, legs: Sequence[np.ndarray]) -> Imag
     return part_of(image_evidence, low - CANDIDATES.room_px, high + CANDIDATES.room_px)
 
 
-def add_candidates(
+def with_candidates(
     fitter: FrameFitter,
     choices: LegCandidates,
     extra: dict[int, list[np.ndarray]],
     *,
     image_evidence: ImageEvidence,
     prior: Prior,
-) -> None:
-    """Add poses of legs, and weigh all of them.
+) -> LegCandidates:
+    """Return a frame with further poses of legs, all of them weighed.
 
     A pose nearly where another is that was added before may still be much the better one: what a
     frame alone offers often has its joints at odd places along the limb, and what is found from the
@@ -203,8 +201,7 @@ def add_candidates(
     fitter : FrameFitter
         Fitter of this frame.
     choices : LegCandidates
-        Changed in place; candidates that explain little are dropped, and so is, of one added
-        before and one added now on the same limb, the one that costs more.
+        The frame as known so far.
     extra : dict
         Of some legs, further parts of the pose vector; of those on the same limb only the first
         counts.
@@ -212,182 +209,32 @@ def add_candidates(
         The frame.
     prior : Prior
         Anatomy, a part of what a candidate costs.
-    """
-    for leg, more in extra.items():
-        n, before = fitter.layout.n_segments[leg], len(choices.joints[leg])
-        for numbers in more:
-            joints = _joints(fitter, choices.pose, leg, numbers)
-            others = (choices.joints[leg][0], *choices.joints[leg][before:])
-            if all(chains_apart(joints, known, n) > CANDIDATES.same_px for known in others):
-                choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
-                choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
-    if choices.is_open:
-        _weigh(fitter, choices, image_evidence, prior)
-
-
-def _weigh(
-    fitter: FrameFitter, choices: LegCandidates, image_evidence: ImageEvidence, prior: Prior
-) -> None:
-    """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
-    value, owner, along, joints = fitter.canvas(image_evidence)
-    base = body_zone(fitter, choices.pose, image_evidence).copy()
-    soft = fitter.settings.soft_error
-    prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
-    for leg, numbers in enumerate(fitter.numbers):
-        trial, worth, marks, unlikely = choices.pose.copy(), [], [], []
-        for candidate in choices.legs[leg]:
-            trial[numbers] = candidate
-            pixels, darks, cost = leg_footprint(
-                fitter.layout,
-                trial,
-                leg,
-                image_evidence,
-                fitter.blur,
-                soft,
-                CANDIDATES.least_shown,
-                base,
-                value,
-                owner,
-                along,
-                joints[leg],
-            )
-            worth.append(cost)
-            unlikely.append(prior_cost(trial, prior, numbers))
-            marks.append((pixels, darks))
-        alone = np.array(worth)
-        seen = np.array([len(pixels) for pixels, _ in marks])
-        cost = fitter.settings.evidence_share * alone + np.array(unlikely)
-        distinct = _distinct(choices.joints[leg], cost, int(fitter.layout.n_segments[leg]))
-        keep = _worth_keeping(
-            alone / (seen + CANDIDATES.few_pixels), distinct, fitter.settings.candidates
-        )
-        choices.worth[leg] = alone[keep]
-        choices.unlikely[leg] = np.array(unlikely)[keep]
-        choices.legs[leg] = choices.legs[leg][keep]
-        choices.joints[leg] = choices.joints[leg][keep]
-        prints.append([marks[i] for i in keep])
-    choices.shared, choices.crossed = {}, {}
-    side = fitter.layout.side
-    for a in range(len(prints)):
-        for b in range(a + 1, len(prints)):
-            if len(prints[a]) * len(prints[b]) < 2:
-                continue
-            if side[a] != side[b] and not _may_meet(choices.joints[a], choices.joints[b]):
-                continue
-            if b in fitter.neighbours[a]:
-                choices.crossed[a, b] = np.array(
-                    [
-                        [legs_cross(fitter, (a, p), (b, q)) for q in choices.joints[b]]
-                        for p in choices.joints[a]
-                    ]
-                )
-            choices.shared[a, b] = np.array(
-                [
-                    [shared_cost(*p, *q, image_evidence, base, soft) for q in prints[b]]
-                    for p in prints[a]
-                ]
-            )
-
-
-def _may_meet(one: FloatArray, other: FloatArray) -> bool:
-    """Return whether the boxes about all candidates of two legs, joints as in Choices, overlap."""
-    low = np.fmax(np.nanmin(one, axis=(0, 1)), np.nanmin(other, axis=(0, 1)))
-    high = np.fmin(np.nanmax(one, axis=(0, 1)), np.nanmax(other, axis=(0, 1)))
-    return bool(np.all(high - low > -CANDIDATES.beside_px))
-
-
-def legs_cross(
-    fitter: FrameFitter, one: tuple[int, FloatArray], other: tuple[int, FloatArray]
-) -> bool:
-    """Return whether two legs, each given by its number and its joints, cross.
-
-    Parameters
-    ----------
-    fitter : FrameFitter
-        What poses are fitted with.
-    one, other : tuple of (int, ndarray)
-        Number of a leg and its joints, shape (joints, 2).
 
     Returns
     -------
-    bool
-        True if they cross.
+    LegCandidates
+        Without candidates that explain little, and, of one added before and one added now on the
+        same limb, without the one that costs more.
     """
-    n = fitter.layout.n_segments
-    return bool(chains_cross(one[1], n[one[0]], other[1], n[other[0]]))
-
-
-def _distinct(joints: FloatArray, cost: FloatArray, n: int) -> list[int]:
-    """Return the first candidate of a leg and the cheapest of those on each other limb."""
-    kept = [0]
-    for i in np.argsort(cost[1:], kind="stable") + 1:
-        if all(chains_apart(joints[i], joints[k], n) > CANDIDATES.same_px for k in kept):
-            kept.append(int(i))
-    return kept
-
-
-def _worth_keeping(alone: FloatArray, distinct: list[int], most: int) -> IntArray:
-    """Return the candidates to keep: always the first, the other distinct ones by worth."""
-    others = sorted(distinct[1:], key=lambda i: float(alone[i]))
-    good = [i for i in others if alone[i] < CANDIDATES.leg_candidates_worthless * alone.min()]
-    return np.array([0, *good[: most - 1]])
+    legs, joints = list(choices.legs), list(choices.joints)
+    for leg, more in extra.items():
+        n, before = fitter.layout.n_segments[leg], len(joints[leg])
+        for numbers in more:
+            places = _joints(fitter, choices.pose, leg, numbers)
+            others = (joints[leg][0], *joints[leg][before:])
+            if all(chains_apart(places, known, n) > CANDIDATES.same_px for known in others):
+                legs[leg] = np.concatenate([legs[leg], numbers[None]])
+                joints[leg] = np.concatenate([joints[leg], places[None]])
+    choices = replace(choices, legs=tuple(legs), joints=tuple(joints))
+    if not choices.is_open:
+        return choices
+    return weighed(fitter, choices, image_evidence=image_evidence, prior=prior)
 
 
 def _joints(fitter: FrameFitter, pose: FloatArray, leg: int, numbers: FloatArray) -> FloatArray:
     """Return where one leg's part of the pose vector puts its joints."""
     trial = pose.copy()
-    trial[fitter.numbers[leg]] = numbers
+    trial[fitter.index.numbers[leg]] = numbers
     joints = np.full((fitter.layout.radius.shape[1], 2), np.nan)
     leg_chain(fitter.layout, trial, leg, joints)
     return joints
-
-
-def sides_of(side: FloatArray) -> list[list[int]]:
-    """Return the legs of each side."""
-    return [[i for i, s in enumerate(side) if s == which] for which in np.unique(side)]
-
-
-def side_energy(
-    choices: LegCandidates, legs: Sequence[int], share: float, *, others: Mapping[int, int]
-) -> FloatArray:
-    """Return the cost of every combination of one side's candidates, one axis a leg.
-
-    That of the picture, times ``share`` (neighbouring pixels do not err independently), and that
-    of anatomy. What a leg explains that one of the ``others`` explains already, each the leg of
-    the other side and its candidate, is not counted again: a leg that reaches under the body to
-    the limb of a leg of the other side gains nothing there.
-
-    Parameters
-    ----------
-    choices : LegCandidates
-        The frame.
-    legs : sequence of int
-        Legs of the side.
-    share : float
-        Weight of what the picture says.
-    others : mapping of int to int
-        Leg of the other side to its chosen candidate.
-
-    Returns
-    -------
-    ndarray
-        Cost, one axis a leg.
-    """
-    shape = [len(choices.legs[leg]) for leg in legs]
-    out = np.zeros(shape)
-    for i, leg in enumerate(legs):
-        alone = share * choices.worth[leg] + choices.unlikely[leg]
-        for other, which in others.items():
-            if (leg, other) in choices.shared:
-                alone = alone + share * choices.shared[leg, other][:, which]
-            elif (other, leg) in choices.shared:
-                alone = alone + share * choices.shared[other, leg][which]
-        out += alone.reshape([-1 if k == i else 1 for k in range(len(legs))])
-        for j in range(i + 1, len(legs)):
-            pair = choices.shared.get((leg, legs[j]))
-            if pair is not None:
-                pair = share * pair + CANDIDATES.leg_candidates_crossed * choices.crossed.get(
-                    (leg, legs[j]), 0.0
-                )
-                out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
-    return out

@@ -2,152 +2,171 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
-from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, fit_leg, side_energy
+from pawnb.core.pose.fit.candidates.leg_candidates import fit_leg, with_candidates
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
-from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
+from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis, extend_trellis
+from pawnb.core.pose.fit.candidates.weighing import side_energy
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.sequence.one_direction import Follower
+from pawnb.core.pose.fit.observation import evidence_of
+from pawnb.core.pose.fit.sequence.expectation import expectation, fit_expected, usual_anatomy
+from pawnb.core.pose.fit.sequence.state import Followed
+
+_Path = list[dict[int, int]]
+"""Of every frame, the candidate of each leg."""
 
 
-def improve_viterbi_path(follower: Follower) -> None:
+def improve_viterbi_path(followed: Followed) -> Followed:
     """Choose the path through all frames followed, after a second pass backwards.
 
     Where a frame left more than one candidate open, the animal is followed again from the sure
     frames after it, backwards in time, and what that finds becomes candidates too. A leg that
     still leaps, because it was lost and found again, is followed back on its own from where it
-    was found. The poses of the path replace those in ``follower.kept``.
+    was found.
 
     Parameters
     ----------
-    follower : Follower
-        After its run; changed in place.
+    followed : Followed
+        What one direction has found.
+
+    Returns
+    -------
+    Followed
+        With the poses of the path, and the candidates that were found.
     """
-    kept, settings = follower.kept, follower.fitter.settings
-    if not settings.choose_path or not any(c.is_open for c in kept):
-        return
-    _adopt(follower, _paths(follower))
-    doubtful = [t for t, choices in enumerate(kept) if choices.is_doubtful]
-    _on_two_threads(follower, doubtful, lambda own, part: _second_pass(follower, own, part))
-    paths = _paths(follower)
-    if _follow_back(follower, paths):
-        paths = _paths(follower)
-    _adopt(follower, paths)
+    if not followed.fitter.settings.choose_path or not any(c.is_open for c in followed.frames):
+        return followed
+    followed = _adopted(followed, _paths(followed))
+    followed = _followed_backwards(followed)
+    paths = _paths(followed)
+    leaps = _leaps(followed, paths)
+    if leaps:
+        followed = _traced(followed, leaps)
+        paths = _paths(followed)
+    return _adopted(followed, paths)
 
 
-def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
-    """Make the poses of the path those of the frames; candidates stay as they are."""
-    for t, choices in enumerate(follower.kept):
+def _adopted(followed: Followed, paths: _Path) -> Followed:
+    """Return frames with the poses of the path; candidates stay as they are."""
+    numbers, frames = followed.fitter.index.numbers, []
+    for choices, chosen in zip(followed.frames, paths, strict=True):
         pose = choices.pose.copy()
-        for leg, which in paths[t].items():
-            pose[follower.fitter.numbers[leg]] = choices.legs[leg][which]
-        choices.pose = pose
+        for leg, which in chosen.items():
+            pose[numbers[leg]] = choices.legs[leg][which]
+        frames.append(choices.with_pose(pose))
+    return followed.with_frames(frames)
 
 
-def _on_two_threads(
-    follower: Follower, frames: list[int], work: Callable[[FrameFitter, list[int]], None]
-) -> None:
-    """Work through frames in two halves, each with a fitter of its own."""
-    half = len(frames) // 2
-    twins = [follower.fitter.twin() for _ in range(2)]
-    with Threads(2, thread_name_prefix="pawnb-back") as pool:
-        list(pool.map(work, twins, [frames[:half], frames[half:]]))
+def _followed_backwards(followed: Followed) -> Followed:
+    """Return frames with what following backwards finds in the doubtful ones, in two halves."""
+    doubtful = [t for t, choices in enumerate(followed.frames) if choices.is_doubtful]
+    half = len(doubtful) // 2
+    parts = (doubtful[:half], doubtful[half:])
+    earlier, later = on_threads(lambda part: _second_pass(followed, part), parts)
+    found = earlier | later
+    return followed.with_frames(found.get(t, one) for t, one in enumerate(followed.frames))
 
 
-def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> None:
-    """Follow the animal backwards through doubtful frames, adding what is found."""
-    kept, last = follower.kept, len(follower.kept) - 1
-    before = -1
+def _second_pass(followed: Followed, frames: Sequence[int]) -> dict[int, LegCandidates]:
+    """Follow the animal backwards through doubtful frames; return them with what is found."""
+    fitter, kept, last = followed.fitter, followed.frames, len(followed.frames) - 1
+    anatomy, lengths = usual_anatomy(fitter, followed.middle), fitter.index.lengths
+    out, before = {}, -1
     for t in reversed(frames):
         choices = kept[t]
         if before != t + 1:  # not followed to here: the sure frames after it say how it moves
             after = min(t + 1, last)
             pose = kept[after].pose
             velocity = pose - kept[min(t + 2, last)].pose
-            velocity[fitter.lengths] = 0.0
+            velocity[lengths] = 0.0
         before = t
         expected = pose + CANDIDATES.viterbi_path_keep_velocity * velocity
-        image_evidence = fitter.image_evidence(
-            choices.image.astype(float), choices.box, choices.pose
+        image_evidence = evidence_of(fitter, choices.pose, image=choices.grey, box=choices.box)
+        prior = expectation(fitter, anatomy, expected)
+        found = fit_expected(fitter, expected, image_evidence=image_evidence, prior=prior)
+        extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.index.numbers)}
+        out[t] = with_candidates(
+            fitter, choices, extra, image_evidence=image_evidence, prior=anatomy
         )
-        anatomy, _ = follower.priors(expected)
-        found = follower.fit_from(expected, image_evidence, fitter)
-        extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.numbers)}
-        add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=anatomy)
         velocity = found - pose
-        velocity[fitter.lengths] = 0.0
+        velocity[lengths] = 0.0
         pose = found
+    return out
 
 
-def _paths(follower: Follower) -> list[dict[int, int]]:
+def _paths(followed: Followed) -> _Path:
     """Return the candidate of every leg in every frame on the best paths.
 
     Each side's path is chosen twice, the second time by what that of the other side explains.
     """
-    settings = follower.fitter.settings
-    out: list[dict[int, int]] = [{} for _ in follower.kept]
-    for legs in 2 * follower.sides:
-        viterbi_trellis = ViterbiTrellis(follower.jump_px)
-        for choices, chosen in zip(follower.kept, out, strict=True):
+    share = followed.fitter.settings.evidence_share
+    out: _Path = [{} for _ in followed.frames]
+    for legs in 2 * followed.fitter.index.sides:
+        trellis: ViterbiTrellis | None = None
+        for choices, chosen in zip(followed.frames, out, strict=True):
             others = {leg: k for leg, k in chosen.items() if leg not in legs}
-            energy = side_energy(choices, legs, settings.evidence_share, others=others)
-            viterbi_trellis.push(energy, [choices.joints[leg] for leg in legs])
-        for chosen, state in zip(out, viterbi_trellis.path(), strict=True):
+            energy = side_energy(choices, legs, share, others=others)
+            joints = tuple(choices.joints[leg] for leg in legs)
+            trellis = extend_trellis(trellis, energy, joints, jump_px=followed.jump_px)
+        states = [] if trellis is None else trellis.path()
+        for chosen, state in zip(out, states, strict=True):
             chosen.update(zip(legs, state, strict=True))
     return out
 
 
-def _follow_back(follower: Follower, paths: list[dict[int, int]]) -> bool:
-    """Follow legs backwards from their leaps; return whether candidates may have changed."""
-    fitter, kept = follower.fitter, follower.kept
-    leap = 6 * follower.jump_px
-    leaps = []
-    for leg in range(len(fitter.numbers)):
+def _leaps(followed: Followed, paths: _Path) -> list[tuple[int, int, FloatArray]]:
+    """Return where legs leap on the path: leg, frame, and its part of the pose vector there."""
+    kept, leaps = followed.frames, []
+    for leg in range(len(followed.fitter.index.numbers)):
         for t in range(len(kept) - 1, 0, -1):
             now = kept[t].joints[leg][paths[t][leg]]
             before = kept[t - 1].joints[leg][paths[t - 1][leg]]
-            if np.nanmax(np.abs(now - before)) > leap:
+            if np.nanmax(np.abs(now - before)) > CANDIDATES.leap_sds * followed.jump_px:
                 leaps.append((leg, t, kept[t].legs[leg][paths[t][leg]]))
-    # candidates change places when some are added, so leaps are listed first
-    for one in leaps:
-        _trace(follower, *one)
-    return bool(leaps)
+    return leaps
 
 
-def _trace(follower: Follower, leg: int, t: int, numbers: FloatArray) -> None:
-    """Follow one leg backwards from frame t until it meets a known candidate or is lost."""
-    fitter, kept = follower.fitter, follower.kept
-    velocity = np.zeros_like(numbers)
-    for back in range(t - 1, max(t - 1 - CANDIDATES.most_back, -1), -1):
-        choices = kept[back]
-        image_evidence = fitter.image_evidence(
-            choices.image.astype(float), choices.box, choices.pose
-        )
+def _traced(followed: Followed, leaps: Sequence[tuple[int, int, FloatArray]]) -> Followed:
+    """Return frames with what following legs backwards from their leaps finds."""
+    frames = list(followed.frames)
+    for leg, t, numbers in leaps:
+        for back, choices in _trace(followed.fitter, frames[:t], leg, numbers).items():
+            frames[back] = choices
+    return followed.with_frames(frames)
+
+
+def _trace(
+    fitter: FrameFitter, frames: Sequence[LegCandidates], leg: int, numbers: FloatArray
+) -> dict[int, LegCandidates]:
+    """Follow one leg backwards from after the frames until it meets a candidate or is lost.
+
+    Returned are the frames, by their place, with what was found.
+    """
+    velocity, out = np.zeros_like(numbers), {}
+    last = len(frames) - 1
+    for back in range(last, max(last - CANDIDATES.most_back, -1), -1):
+        choices = frames[back]
+        image_evidence = evidence_of(fitter, choices.pose, image=choices.grey, box=choices.box)
         found = fit_leg(
-            fitter,
-            choices.pose,
-            leg,
-            guess=numbers + velocity,
-            image_evidence=image_evidence,
-            prior=fitter.anatomy,
-            rounds=6,
-        )
-        count = len(choices.legs[leg])
-        add_candidates(
+            fitter, choices.pose, leg, guess=numbers + velocity, image_evidence=image_evidence,
+            prior=fitter.anatomy, rounds=CANDIDATES.rounds_back,
+        )  # fmt: skip
+        out[back] = with_candidates(
             fitter, choices, {leg: [found]}, image_evidence=image_evidence, prior=fitter.anatomy
         )
-        if len(choices.legs[leg]) == count:
+        if len(out[back].legs[leg]) == len(choices.legs[leg]):
             break
         velocity = np.clip(found - numbers, -CANDIDATES.fastest_back, CANDIDATES.fastest_back)
         numbers = found
+    return out
 
 
-def chosen_poses(fitter: FrameFitter, found: list[LegCandidates]) -> FloatArray:
+def chosen_poses(fitter: FrameFitter, found: Sequence[LegCandidates]) -> FloatArray:
     """Return the poses of a path, shape (n, n_parameters)."""
-    return np.array([c.pose for c in found]).reshape(len(found), fitter.n)
+    return np.array([c.pose for c in found]).reshape(len(found), fitter.index.n)

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import FloatArray, IntArray
+from pawnb.core.parallel import on_threads
+from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look_equations
 from pawnb.core.pose.fit.learning.body_equations import BodyEquations
 from pawnb.core.pose.fit.learning.parameters import LEARNING
-from pawnb.core.pose.fit.parallel import threaded
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
     ImageEvidence,
     Prior,
@@ -32,7 +33,7 @@ def learn_appearance(
     prior: Prior,
     blur: float,
     soft: float,
-    rounds: int = 4,
+    rounds: int | None = None,
 ) -> Layout:
     """Return the layout with thickness and darkness as the pictures have them.
 
@@ -51,7 +52,7 @@ def learn_appearance(
         What is known of poses besides their pictures.
     blur, soft : float
         As in the fit.
-    rounds : int
+    rounds : int, optional
         Gauss-Newton steps.
 
     Returns
@@ -61,13 +62,46 @@ def learn_appearance(
     """
     known = _Known(first, partner, prior, blur, soft)
     here = list(frames)
-    for _ in range(rounds):
+    for _ in range(LEARNING.look_rounds if rounds is None else rounds):
         step = _step(layout, here, known)
         share = _helpful_share(layout, here, known, step)
         if share == 0.0:
             break
         layout, here = _taken(layout, here, step, share)
     return layout
+
+
+def fit_appearance(
+    fitter: FrameFitter,
+    frames: Sequence[tuple[np.ndarray, ImageEvidence]],
+    *,
+    prior: Prior,
+    blur: float | None = None,
+) -> FrameFitter:
+    """Return the fitter with the animal's appearance as frames whose pose is known show it.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        With the appearance as known so far.
+    frames : sequence of (ndarray, ImageEvidence)
+        Pose vectors, and what their frames show.
+    prior : Prior
+        What is known of poses besides their pictures.
+    blur : float, optional
+        Half width of the blur that is painted, working px; default that of the fitter.
+
+    Returns
+    -------
+    FrameFitter
+        With that blur.
+    """
+    blur = fitter.blur if blur is None else blur
+    layout = learn_appearance(
+        fitter.layout, frames, first=fitter.initial, partner=fitter.index.partner,
+        prior=prior, blur=blur, soft=fitter.settings.soft_error,
+    )  # fmt: skip
+    return fitter.with_appearance(layout, blur=blur)
 
 
 @dataclass(frozen=True)
@@ -116,7 +150,7 @@ class _OfFrame:
 def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known) -> _Step:
     """Return the step that the equations of all frames lead to."""
     body = BodyEquations(layout.ellipse, known.first.ellipse, len(frames))
-    said = threaded(lambda frame: _of_frame(layout, frame, known, body.meets), frames)
+    said = on_threads(lambda frame: _of_frame(layout, frame, known, body.meets), frames)
     for one in said:
         body.add(*one.body, of_pose=one.pose[0], slope=one.pose[1])
     matrix, vector = (np.sum([one.legs[i] for one in said], axis=0) for i in (0, 1))
@@ -236,7 +270,7 @@ def _helpful_share(
 
     def cost(share: float) -> float:
         look, here = _taken(layout, frames, step, share)
-        parts = threaded(lambda frame: _painted(look, *frame, known)[1], here)
+        parts = on_threads(lambda frame: _painted(look, *frame, known)[1], here)
         return sum(parts) + _look_cost(look, known, step.body, len(frames))
 
     return next((share for share in LEARNING.appearance_shares if cost(share) < step.cost), 0.0)

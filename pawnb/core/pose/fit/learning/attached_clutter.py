@@ -12,11 +12,12 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray
+from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import in_body_frame
 from pawnb.core.pose.fit.learning.parameters import LEARNING
-from pawnb.core.pose.fit.parallel import on_threads
+from pawnb.core.pose.fit.observation import disc_px, evidence_of, near_body
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
 
@@ -50,16 +51,16 @@ def find_attached_clutter(
     chosen = np.unique(np.linspace(0, len(found) - 1, LEARNING.attached_clutter_frames).astype(int))
     side = 2 * int(np.ceil(fitter.reach)) + 1
 
-    def turned(own: FrameFitter, t: int) -> Float32Array:
-        image = found[t].image.astype(float)
-        image_evidence = own.image_evidence(image, found[t].box, poses[t], margin=np.inf)
+    def turned(t: int) -> Float32Array:
+        image = found[t].grey
+        image_evidence = evidence_of(fitter, poses[t], image=image, box=found[t].box, margin=np.inf)
         out = np.empty((side, side), np.float32)
         in_body_frame(image_evidence.seen, image_evidence.box, poses[t], out)
         return out
 
-    usual = np.median(on_threads(fitter, chosen, turned), axis=0)
+    usual = np.median(on_threads(turned, chosen), axis=0)
     body = _body(fitter, side)
-    size = fitter.disc_px
+    size = disc_px(fitter)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     wide = (cv2.morphologyEx(usual, cv2.MORPH_OPEN, disc) > LEARNING.attached_clutter_dark).astype(
         np.uint8
@@ -76,11 +77,11 @@ def find_attached_clutter(
 
 def _body(fitter: FrameFitter, side: int) -> BoolArray:
     """Return where the body itself may be, in its own frame."""
-    pose, empty = np.zeros(fitter.n), np.zeros((side, side))
+    pose, empty = np.zeros(fitter.index.n), np.zeros((side, side))
     image_evidence = ImageEvidence(
         empty, empty, np.array([-(side // 2), -(side // 2)], dtype=float)
     )
-    return fitter.near_body(pose, image_evidence)
+    return near_body(fitter, pose, image_evidence)
 
 
 def _hanging_on(wide: ByteArray, body: BoolArray) -> ByteArray:

@@ -15,6 +15,7 @@ from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard, in_body_frame
 from pawnb.core.pose.fit.learning.parameters import LEARNING
+from pawnb.core.pose.fit.observation import near_body
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
@@ -46,9 +47,9 @@ def find_body_clutter(
     )
     stack[:, np.isnan(stack).all(axis=0)] = 0.0
     away = np.abs(np.nanmedian(stack, axis=0))
-    pose, empty = np.zeros(fitter.n), np.zeros((side, side))
+    pose, empty = np.zeros(fitter.index.n), np.zeros((side, side))
     middle = np.array([-(side // 2), -(side // 2)], dtype=float)
-    body = fitter.near_body(pose, ImageEvidence(empty, empty, middle), margin=fitter.blur)
+    body = near_body(fitter, pose, ImageEvidence(empty, empty, middle), margin=fitter.blur)
     odd = away > LEARNING.body_clutter_odd * float(fitter.layout.ellipse[:, 4].max())
     if odd[body].mean() > LEARNING.body_clutter_most:
         return None
@@ -88,8 +89,8 @@ def without_body_clutter(
     ImageEvidence
         The same without them.
     """
-    if fitter.body_clutter is None:
+    if fitter.clutter.body is None:
         return image_evidence
     weight = image_evidence.weight.copy()
-    disregard(fitter.body_clutter, pose, image_evidence.box, weight)
+    disregard(fitter.clutter.body, pose, image_evidence.box, weight)
     return image_evidence._replace(weight=weight)

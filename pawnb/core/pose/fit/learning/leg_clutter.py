@@ -83,11 +83,11 @@ def without_leg_clutter(
     ImageEvidence
         The same without the hairs.
     """
-    if fitter.leg_clutter is None:
+    if fitter.clutter.legs is None:
         return image_evidence
-    canvas = fitter.canvas(image_evidence)
-    paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, fitter.all_shown, *canvas)
+    canvas, shown = fitter.canvas(image_evidence), fitter.index.all_shown
+    paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, shown, *canvas)
     weight = image_evidence.weight.copy()
     in_px = LEARNING.leg_clutter_in_px
-    disregard_cells(canvas, image_evidence.box, fitter.leg_clutter, in_px, weight)
+    disregard_cells(canvas, image_evidence.box, fitter.clutter.legs, in_px, weight)
     return image_evidence._replace(weight=weight)

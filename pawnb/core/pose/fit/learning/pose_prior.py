@@ -11,73 +11,53 @@ from collections.abc import Sequence
 import numpy as np
 
 from pawnb.arrays import FloatArray
+from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
 from pawnb.core.pose.fit.learning.parameters import LEARNING
-from pawnb.core.pose.fit.parallel import on_threads
-from pawnb.core.pose.fit.sequence.first_frame import partners
+from pawnb.core.pose.fit.observation import evidence_of
 from pawnb.core.pose.fit.support import leg_supports
 from pawnb.signals.robust import MAD_TO_SD
 
 
-def learn_from_all(fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray) -> bool:
-    """Learn what hides legs, and how they are held; return whether it is worth a second look.
+def learn_pose_prior(
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray
+) -> FrameFitter:
+    """Return a fitter whose anatomy is that of this animal's own legs, with usual poses of them.
 
     Parameters
     ----------
     fitter : FrameFitter
-        Learns, where something that is no leg is fixed to the body.
+        What poses are fitted with so far.
     found : sequence of LegCandidates
-        All frames.
+        The frames.
     poses : ndarray, shape (n, n_parameters)
         Their poses.
 
     Returns
     -------
-    bool
-        True where something fixed to the body was found.
-    """
-    fitter.attached_clutter = find_attached_clutter(fitter, found, poses)
-    if fitter.attached_clutter is None:
-        return False
-    learn_pose_prior(fitter, found, poses)
-    return True
-
-
-def learn_pose_prior(
-    fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray
-) -> None:
-    """Make anatomy that of this animal's own legs, and keep poses that they usually have.
-
-    Parameters
-    ----------
-    fitter : FrameFitter
-        Its ``anatomy`` and ``usual_poses`` are replaced, those of legs that are seldom well seen
-        left as they are.
-    found : sequence of LegCandidates
-        The frames.
-    poses : ndarray, shape (n, n_parameters)
-        Their poses.
+    FrameFitter
+        What it knows of legs that are seldom well seen is what was known before.
     """
 
-    def support(own: FrameFitter, t: int) -> FloatArray:
-        image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
-        return leg_supports(own, poses[t], image_evidence)
+    def support(t: int) -> FloatArray:
+        image_evidence = evidence_of(fitter, poses[t], image=found[t].grey, box=found[t].box)
+        return leg_supports(fitter, poses[t], image_evidence)
 
-    supports = np.array(on_threads(fitter, range(len(found)), support))
+    supports = np.array(on_threads(support, range(len(found))))
     seen: np.ndarray = np.all(supports >= LEARNING.pose_prior_seen, axis=2)
-    partner = partners(fitter.animal)
+    partner, usual = fitter.index.partner, list(fitter.usual_poses)
     middle, precision = fitter.anatomy.middle.copy(), fitter.anatomy.precision.copy()
-    for leg, numbers in enumerate(fitter.numbers):
+    for leg, numbers in enumerate(fitter.index.numbers):
         alike = {leg, int(partner[leg])}
-        own = np.concatenate([poses[np.ix_(seen[:, i], fitter.numbers[i])] for i in alike])
+        own = np.concatenate([poses[np.ix_(seen[:, i], fitter.index.numbers[i])] for i in alike])
         if len(own) < LEARNING.pose_prior_few:
             continue
         centre, sd = _spread(own)
         middle[numbers], precision[numbers] = centre, 1.0 / sd**2
-        fitter.usual_poses[leg] = _far_apart((own - centre) / sd) * sd + centre
-    fitter.anatomy = fitter.anatomy._replace(middle=middle, precision=precision)
+        usual[leg] = _far_apart((own - centre) / sd) * sd + centre
+    anatomy = fitter.anatomy._replace(middle=middle, precision=precision)
+    return fitter.with_prior(anatomy, usual_poses=tuple(usual))
 
 
 def _spread(own: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -38,8 +38,9 @@ def without_leg_attachments(
     """
     reach = fitter.body_radius + fitter.blur
     near = part_of(image_evidence, pose[:2] - reach, pose[:2] + reach)
-    of_body = _painted(fitter, pose, near, fitter.body_shown) / fitter.layout.ellipse[:, 4].max()
-    of_legs = _painted(fitter, pose, near, ~fitter.body_shown)
+    body, darkest = fitter.index.body_shown, fitter.layout.ellipse[:, 4].max()
+    of_body = _painted(fitter, pose, near, body) / darkest
+    of_legs = _painted(fitter, pose, near, ~body)
     left, top = (near.box - image_evidence.box).astype(int)
     height, width = near.seen.shape
     weight = image_evidence.weight.copy()

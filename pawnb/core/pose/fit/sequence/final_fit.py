@@ -14,15 +14,15 @@ from functools import partial
 import numpy as np
 
 from pawnb.arrays import FloatArray
+from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.relearn import usual_lengths
-from pawnb.core.pose.fit.parallel import on_threads, threaded
+from pawnb.core.pose.fit.observation import evidence_of
 from pawnb.core.pose.fit.rendering.excluded_parts import counted
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.rendering.uncertainty_kernels import error_ratio, place_sds
-from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, motion_messages
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 from pawnb.core.pose.fit.support import leg_supports
@@ -94,8 +94,8 @@ class _Others:
 
     def pull(self, fitter: FrameFitter, t: int) -> FloatArray:
         """Return how surely they say it of frame t, a precision of the whole pose."""
-        out = np.zeros((fitter.n, fitter.n))
-        for numbers, pull in zip(fitter.numbers, self.pulls, strict=True):
+        out = np.zeros((fitter.index.n, fitter.index.n))
+        for numbers, pull in zip(fitter.index.numbers, self.pulls, strict=True):
             out[np.ix_(numbers, numbers)] = pull[t]
         return out
 
@@ -122,36 +122,36 @@ def settle_all(
     if not found:
         return []
     anatomy = usual_lengths(fitter, poses)
-    frames = np.array([choices.frame for choices in found])
+    frames = np.array([one.frame for one in found])
     stretches = np.split(np.arange(len(frames)), np.flatnonzero(np.diff(frames) > 1) + 1)
-
-    def first(own: FrameFitter, t: int) -> _Own:
-        image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
-        image_evidence = counted(own, poses[t], image_evidence)
-        # the look is new
-        pose, _ = own.fit(
-            poses[t],
-            image_evidence,
-            anatomy,
-            rounds=SEQUENCE.final_fit_first_rounds,
-            enough=SEQUENCE.final_fit_enough,
-        )
-        pose = uncrossed(own, pose, image_evidence, prior=anatomy)
-        return _own_near(own, pose, image_evidence, anatomy)
-
-    own = on_threads(fitter, range(len(found)), first)
-    motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
+    alone = partial(_fit_alone, fitter, anatomy=anatomy)
+    own = on_threads(lambda t: alone(found[t], poses[t]), range(len(found)))
+    motions = [first_motion(len(numbers) // 2) for numbers in fitter.index.numbers]
     motions = _learnt(fitter, own, motions, stretches)
     for _ in range(SEQUENCE.final_fit_sweeps):
         others = _from_others(fitter, own, motions, stretches)
-        again = np.flatnonzero(others.gain > SEQUENCE.final_fit_gain)
-        if not len(again):
+        again = np.flatnonzero(others.gain > SEQUENCE.final_fit_gain).tolist()
+        if not again:
             break
-        work = partial(_fit_again, own=own, others=others, anatomy=anatomy)
-        on_threads(fitter, again, work)
+        work = partial(_fit_again, fitter, own=own, others=others, anatomy=anatomy)
+        fitted = dict(zip(again, on_threads(work, again), strict=True))
+        own = [fitted.get(t, one) for t, one in enumerate(own)]
         motions = _learnt(fitter, own, motions, stretches)
     others = _from_others(fitter, own, motions, stretches)
-    return on_threads(fitter, range(len(own)), lambda f, t: _settled(f, own[t], others.pull(f, t)))
+    return on_threads(lambda t: _settled(fitter, own[t], others.pull(fitter, t)), range(len(own)))
+
+
+def _fit_alone(
+    fitter: FrameFitter, one: LegCandidates, pose: FloatArray, *, anatomy: Prior
+) -> _Own:
+    """Return a frame's own fit; the animal's appearance is new to it."""
+    image_evidence = counted(fitter, pose, evidence_of(fitter, pose, image=one.grey, box=one.box))
+    pose, _ = fitter.fit(
+        pose, image_evidence, anatomy, rounds=SEQUENCE.final_fit_first_rounds,
+        enough=SEQUENCE.final_fit_enough,
+    )  # fmt: skip
+    pose = uncrossed(fitter, pose, image_evidence, prior=anatomy)
+    return _own_near(fitter, pose, image_evidence, anatomy)
 
 
 def _from_others(
@@ -160,7 +160,7 @@ def _from_others(
     """Return what the other frames of its stretch say of each frame; the legs are independent."""
 
     def of_leg(leg: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        numbers = fitter.numbers[leg]
+        numbers = fitter.index.numbers[leg]
         poses = np.array([one.pose[numbers] for one in own])
         precision = np.array([one.precision[np.ix_(numbers, numbers)] for one in own])
         slope = np.array([one.slope[numbers] for one in own])
@@ -172,9 +172,9 @@ def _from_others(
         step = np.linalg.solve(precision + pull, down[..., None])[..., 0]
         return around, pull, 0.5 * (down * step).sum(axis=1)
 
-    arounds, pulls, gains = zip(*threaded(of_leg, range(len(motions))), strict=True)
-    around = np.zeros((len(own), fitter.n))
-    for numbers, place in zip(fitter.numbers, arounds, strict=True):
+    arounds, pulls, gains = zip(*on_threads(of_leg, range(len(motions))), strict=True)
+    around = np.zeros((len(own), fitter.index.n))
+    for numbers, place in zip(fitter.index.numbers, arounds, strict=True):
         around[:, numbers] = place
     return _Others(around, list(pulls), np.max(gains, axis=0))
 
@@ -183,11 +183,11 @@ def _learnt(
     fitter: FrameFitter, own: Sequence[_Own], motions: list[np.ndarray], stretches: list[np.ndarray]
 ) -> list[np.ndarray]:
     """Return how each leg moves, that of the other side alike."""
-    poses, partner = np.array([one.pose for one in own]), partners(fitter.animal)
+    poses, partner = np.array([one.pose for one in own]), fitter.index.partner
     out = []
     for leg, motion in enumerate(motions):
         alike = {leg, int(partner[leg])}
-        parts = [poses[np.ix_(rows, fitter.numbers[i])] for rows in stretches for i in alike]
+        parts = [poses[np.ix_(rows, fitter.index.numbers[i])] for rows in stretches for i in alike]
         out.append(learn_motion(parts, motion))
     return out
 
@@ -210,7 +210,7 @@ def _own_near(
 
 
 def _whole(image_evidence: ImageEvidence) -> ImageEvidence:
-    """Return a sight in full precision."""
+    """Return evidence in full precision."""
     return ImageEvidence(
         image_evidence.seen.astype(float), image_evidence.weight.astype(float), image_evidence.box
     )
@@ -220,16 +220,16 @@ def _fit_again(
     fitter: FrameFitter,
     t: int,
     *,
-    own: list[_Own],
+    own: Sequence[_Own],
     others: _Others,
     anatomy: Prior,
-) -> None:
-    """Fit frame t with the others in mind; replace what its picture says."""
+) -> _Own:
+    """Return frame t's own fit after one with the others in mind."""
     pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
     prior = anatomy._replace(around=others.around[t], pull=pull)
     image_evidence = _whole(own[t].image_evidence)
     pose, _ = fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.final_fit_rounds)
-    own[t] = _own_near(fitter, pose, image_evidence, anatomy)
+    return _own_near(fitter, pose, image_evidence, anatomy)
 
 
 def _settled(fitter: FrameFitter, own: _Own, pull: FloatArray) -> Settled:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed, with_ends_swapped
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import leg_numbers, make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
@@ -25,14 +25,14 @@ def animal_seen():
     animal = load_species("dolomedes")
     natural = natural_pose(animal, xy=(118.0, 120.0), heading_deg=15.0, scale=SCALE)
     pose = pose_vectors(animal, natural)[0]
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal,
         make_layout(animal, px_per_unit=SCALE),
         evidence=SimpleNamespace(),
         anatomy=anatomy(animal, pose, foreshortening_sd=0.12),
         settings=PoseSettings(),
     )
-    first, second = (fitter.numbers[leg][0] for leg in PAIR)
+    first, second = (fitter.index.numbers[leg][0] for leg in PAIR)
     joints = fitter.joints(pose)
     directions = [np.arctan2(*(joints[leg, -1] - joints[leg, 0])[::-1]) for leg in PAIR]
     apart = fitter.layout.side[1] * (directions[1] - directions[0])
@@ -53,7 +53,7 @@ def crossed_over(fitter, pose):
     for leg, other in (PAIR, PAIR[::-1]):
         share = np.clip(np.linspace(-1.0, 1.0, joints.shape[1]), 0.0, 1.0)[:, None]
         places = (1.0 - share) * joints[leg] + share * joints[other]
-        out[fitter.numbers[leg]] = leg_numbers(fitter.layout, leg, places, heading=pose[2])
+        out[fitter.index.numbers[leg]] = leg_numbers(fitter.layout, leg, places, heading=pose[2])
     return out
 
 

@@ -10,8 +10,10 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from painted_walk import painted_walk
 
 from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
-from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, side_energy
+from pawnb.core.pose.fit.candidates.leg_candidates import with_candidates
+from pawnb.core.pose.fit.candidates.weighing import side_energy
 from pawnb.core.pose.fit.layout import leg_numbers
+from pawnb.core.pose.fit.observation import observe
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.sequence.first_frame import first_darkness
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -26,15 +28,15 @@ def seen():
     fitter, pose = prepare_fitter(
         frame, poses.at_frame(0), animal=animal, background=background, settings=PoseSettings()
     )
-    fitter.layout = first_darkness(fitter, frame, pose)
-    image_evidence, image, box = fitter.look(frame, pose)
+    fitter = fitter.with_appearance(first_darkness(fitter, frame, pose))
+    image_evidence, image, box = observe(fitter, frame, pose)
     return fitter, pose, image_evidence, image, box
 
 
 @pytest.mark.parametrize("true_one_first", [True, False])
 def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen, true_one_first):
     fitter, pose, image_evidence, image, box = seen
-    numbers = fitter.numbers[LEG]
+    numbers = fitter.index.numbers[LEG]
     true = pose[numbers]
     odd = true.copy()
     n = len(numbers) // 2
@@ -44,7 +46,7 @@ def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen,
     elsewhere[numbers[0]] += 0.6
     choices = only_choice(fitter, 0, elsewhere, image=image, box=box)
     for offered in [true, odd] if true_one_first else [odd, true]:
-        add_candidates(
+        choices = with_candidates(
             fitter, choices, {LEG: [offered]}, image_evidence=image_evidence, prior=fitter.anatomy
         )
     np.testing.assert_array_equal(choices.legs[LEG], [elsewhere[numbers], true])
@@ -57,10 +59,12 @@ def test_a_leg_gains_nothing_on_the_limb_of_one_of_the_other_side(seen):
     across = joints[right].copy()
     across[0] = joints[left, 0]
     on_other = leg_numbers(fitter.layout, left, across, heading=float(pose[2]))
-    choices = only_choice(fitter, 0, pose, image=image, box=box)
-    add_candidates(
-        fitter, choices, {left: [on_other]}, image_evidence=image_evidence, prior=fitter.anatomy
+    alone = only_choice(fitter, 0, pose, image=image, box=box)
+    choices = with_candidates(
+        fitter, alone, {left: [on_other]}, image_evidence=image_evidence, prior=fitter.anatomy
     )
+    assert not alone.is_open  # the frame given is not changed
+    assert choices.is_open
     unaware = side_energy(choices, [left], 1.0, others={})
     aware = side_energy(choices, [left], 1.0, others={right: 0})
     np.testing.assert_allclose(aware[0], unaware[0], atol=1.0)  # its own limb is its own

@@ -7,9 +7,9 @@ import pytest
 
 from pawnb.core.pose.fit.layout import make_layout, meeting, pose_vectors
 from pawnb.core.pose.fit.learning.appearance import learn_appearance
+from pawnb.core.pose.fit.pose_index import partners
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior, fit_pose
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
-from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.poses import natural_pose
 from pawnb.core.pose.species_file import load_species
 

@@ -13,7 +13,9 @@ from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
 from pawnb.core.pose.fit.layout import pose_vectors
 from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
-from pawnb.core.pose.fit.learning.pose_prior import learn_from_all, learn_pose_prior
+from pawnb.core.pose.fit.learning.clutter import Clutter
+from pawnb.core.pose.fit.learning.pose_prior import learn_pose_prior
+from pawnb.core.pose.fit.observation import evidence_of, near_body, observe
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.tracker import track_pose
@@ -58,7 +60,7 @@ def walk(poses=None, *, winged):
     )  # fmt: skip
     found = []
     for t, pose in enumerate(vectors):
-        _, image, box = fitter.look(reader.frame(t), pose)
+        _, image, box = observe(fitter, reader.frame(t), pose)
         found.append(only_choice(fitter, t, pose, image=image, box=box))
     return fitter, found, vectors
 
@@ -98,7 +100,6 @@ def test_wings_are_found_and_legs_are_not(winged, moving):
 def test_without_wings_nothing_is_found(winged):
     fitter, found, vectors = walk(winged=False)
     assert find_attached_clutter(fitter, found, vectors) is None
-    assert not learn_from_all(fitter, found, vectors)
     assert (
         find_attached_clutter(winged[0], winged[1][:10], winged[2][:10]) is None
     )  # too few frames
@@ -106,13 +107,13 @@ def test_without_wings_nothing_is_found(winged):
 
 def test_what_is_fixed_hides_legs(winged):
     fitter, found, vectors = winged
-    twin = fitter.twin()
-    twin.attached_clutter = find_attached_clutter(fitter, found, vectors)
-    image_evidence = twin.image_evidence(found[5].image.astype(float), found[5].box, vectors[5])
+    attached = Clutter(attached=find_attached_clutter(fitter, found, vectors))
+    fitter = fitter.with_clutter(attached)
+    image_evidence = evidence_of(fitter, vectors[5], image=found[5].grey, box=found[5].box)
     # the wings in the crop, without their edge
     place = vectors[5] - np.concatenate([found[5].box[:2], np.zeros(len(vectors[5]) - 2)])
     wings = on_wings(place, image_evidence.seen.shape)
-    body = twin.near_body(vectors[5], image_evidence)
+    body = near_body(fitter, vectors[5], image_evidence)
     hidden = image_evidence.weight == 0
     assert np.mean(hidden[wings & ~body]) > 0.9  # edges are rounded to pixels
     assert not hidden[body].any()
@@ -121,20 +122,19 @@ def test_what_is_fixed_hides_legs(winged):
 
 def test_habits_are_those_of_legs_that_are_well_seen():
     fitter, found, vectors = walk(winged=False)
-    before = fitter.anatomy
-    front, second = fitter.numbers[0], fitter.numbers[1]
+    front, second = fitter.index.numbers[0], fitter.index.numbers[1]
     partner = fitter.animal.leg_names.index("R1")
     wrong = vectors.copy()
-    for numbers in (front, fitter.numbers[partner]):
+    for numbers in (front, fitter.index.numbers[partner]):
         wrong[:, numbers[0]] += 0.7  # beside the leg: nothing is seen of it there
-    learn_pose_prior(fitter, found, wrong)
-    assert (fitter.anatomy.middle[front] == before.middle[front]).all()
-    assert not len(fitter.usual_poses[0])
+    learnt = learn_pose_prior(fitter, found, wrong)
+    assert (learnt.anatomy.middle[front] == fitter.anatomy.middle[front]).all()
+    assert not len(learnt.usual_poses[0])
     sides = [fitter.animal.leg_names.index(name) for name in ("L2", "R2")]
-    own = np.concatenate([vectors[:, fitter.numbers[i]] for i in sides])
+    own = np.concatenate([vectors[:, fitter.index.numbers[i]] for i in sides])
     # not in every frame is each leg well seen
-    assert np.abs(fitter.anatomy.middle[second] - np.median(own, axis=0)).max() < 0.12
-    usual = fitter.usual_poses[1]
+    assert np.abs(learnt.anatomy.middle[second] - np.median(own, axis=0)).max() < 0.12
+    usual = learnt.usual_poses[1]
     assert len(usual) == 10
     assert len(np.unique(usual.round(6), axis=0)) == 10
     assert (usual > own.min(axis=0) - 1e-9).all()

@@ -5,11 +5,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard
 from pawnb.core.pose.fit.learning.body_clutter import find_body_clutter, without_body_clutter
+from pawnb.core.pose.fit.learning.clutter import Clutter
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -27,7 +28,7 @@ def scene():
     layout = make_layout(animal, px_per_unit=SCALE)
     natural = natural_pose(animal, xy=(98.0, 100.0), scale=SCALE)
     prior = anatomy(animal, pose_vectors(animal, natural)[0], foreshortening_sd=0.12)
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal, layout, evidence=SimpleNamespace(), anatomy=prior, settings=settings
     )
     frames = []
@@ -56,9 +57,11 @@ def test_what_sticks_out_does_not_count_and_the_rest_does(scene):
     assert 1.0 - kept.mean() < 0.05
 
 
-def test_a_sight_without_odd_places_has_no_weight_at_the_jaws_and_leaves_the_first_as_it_was(scene):
+def test_without_odd_places_nothing_counts_at_the_jaws_and_the_evidence_stays_as_it_was(
+    scene,
+):
     fitter, frames = scene
-    fitter.body_clutter = find_body_clutter(fitter, frames)
+    fitter = fitter.with_clutter(Clutter(body=find_body_clutter(fitter, frames)))
     pose, image_evidence = frames[3]
     counts = without_body_clutter(fitter, pose, image_evidence).weight
     ahead = 14 * SCALE * np.array([np.cos(pose[2]), np.sin(pose[2])])

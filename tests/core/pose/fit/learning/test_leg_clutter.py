@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
+from pawnb.core.pose.fit.learning.clutter import Clutter
 from pawnb.core.pose.fit.learning.leg_clutter import find_leg_clutter, without_leg_clutter
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
@@ -34,7 +35,7 @@ def scene():
     layout = make_layout(animal, px_per_unit=SCALE)
     natural = natural_pose(animal, xy=(108.0, 110.0), scale=SCALE)
     prior = anatomy(animal, pose_vectors(animal, natural)[0], foreshortening_sd=0.12)
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal, layout, evidence=SimpleNamespace(), anatomy=prior, settings=PoseSettings()
     )
     frames = []
@@ -64,7 +65,7 @@ def test_a_spine_is_found_where_it_is_and_nowhere_else(scene):
 
 def test_only_the_spine_loses_its_weight(scene):
     fitter, frames = scene
-    fitter.leg_clutter = find_leg_clutter(fitter, frames)
+    fitter = fitter.with_clutter(Clutter(legs=find_leg_clutter(fitter, frames)))
     pose, image_evidence = frames[3]
     weight = without_leg_clutter(fitter, pose, image_evidence).weight
     tip, before = fitter.joints(pose)[LEG][[-1, -2]]
@@ -82,7 +83,7 @@ def test_without_its_spine_a_leg_is_fitted_where_it_is(scene):
     pose, image_evidence = frames[5]
     true = fitter.joints(pose)[LEG, -1]
     drawn = fitter.joints(fitter.fit(pose, image_evidence, fitter.anatomy)[0])[LEG, -1]
-    fitter.leg_clutter = find_leg_clutter(fitter, frames)
+    fitter = fitter.with_clutter(Clutter(legs=find_leg_clutter(fitter, frames)))
     without = without_leg_clutter(fitter, pose, image_evidence)
     found = fitter.joints(fitter.fit(pose, without, fitter.anatomy)[0])[LEG, -1]
     assert np.linalg.norm(drawn - true) > 0.2

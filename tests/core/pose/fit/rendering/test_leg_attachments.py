@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import FrameFitter, make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
@@ -28,13 +28,16 @@ def scene():
     layout = make_layout(animal, px_per_unit=SCALE)
     natural = natural_pose(animal, xy=(108.0, 110.0), heading_deg=20.0, scale=SCALE)
     prior = anatomy(animal, pose_vectors(animal, natural)[0], foreshortening_sd=0.12)
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal, layout, evidence=SimpleNamespace(), anatomy=prior, settings=PoseSettings()
     )
     pose = pose_vectors(animal, natural)[0]
     for leg, side in enumerate(layout.side):
-        pose[fitter.numbers[leg][0]] += 0.6 * side
-    legs, body = (painted(fitter, pose, shown) for shown in (~fitter.body_shown, fitter.body_shown))
+        pose[fitter.index.numbers[leg][0]] += 0.6 * side
+    legs, body = (
+        painted(fitter, pose, shown)
+        for shown in (~fitter.index.body_shown, fitter.index.body_shown)
+    )
     dark = layout.ellipse[:, 4].max()
     # what light one lets through, the other stops: independent covers, as of two films
     seen = dark * (1.0 - (1.0 - np.minimum(legs / dark, 1.0)) * (1.0 - body / dark))
@@ -54,7 +57,7 @@ def test_only_what_both_cover_in_part_loses_its_weight(scene):
     gone = weight == 0.0
     assert 20 < gone.sum() < 400
     assert (weight[~gone] == 70.0).all()
-    for shown in (~fitter.body_shown, fitter.body_shown):
+    for shown in (~fitter.index.body_shown, fitter.index.body_shown):
         alone = painted(fitter, pose, shown)
         assert (alone[gone] > 0.0).all()
     assert (image_evidence.weight == 70.0).all()

@@ -10,9 +10,10 @@ import pytest
 from painted_walk import PX_PER_MM, painted_walk
 
 from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
+from pawnb.core.pose.fit.observation import crop_box
 from pawnb.core.pose.fit.rendering.evidence import Evidence
 from pawnb.core.pose.fit.sequence import final_fit
 from pawnb.core.pose.fit.sequence.final_fit import settle_all
@@ -39,7 +40,7 @@ def scene():
     vectors = pose_vectors(animal, poses)
     settings = PoseSettings()
     evidence = Evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd)
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal,
         make_layout(animal, px_per_unit=PX_PER_MM, dark=0.75),
         evidence=evidence,
@@ -48,7 +49,7 @@ def scene():
     )
     found = []
     for i, vector in enumerate(vectors):
-        box = fitter.box(vector)
+        box = crop_box(fitter, vector)
         image = evidence.pixels(reader.frame(i), box)
         found.append(only_choice(fitter, i, vector, image=image, box=box))
     return fitter, vectors, found
@@ -60,13 +61,13 @@ def tips(fitter, vectors):
 
 def test_a_leg_laid_along_a_longer_one_comes_back(scene):
     fitter, true, found = scene
-    path, lengths = true.copy(), fitter.numbers[LEG][5:]
+    path, lengths = true.copy(), fitter.index.numbers[LEG][5:]
     for t in range(MET.start, MET.stop):
         path[t, lengths] = -0.02
         reach = fitter.joints(true[t])[OTHER, -1] - fitter.joints(true[t])[LEG, 0]
         along = fitter.joints(path[t])[LEG, -1] - fitter.joints(true[t])[LEG, 0]
         turn = np.arctan2(*reach[::-1]) - np.arctan2(*along[::-1])
-        path[t, fitter.numbers[LEG][0]] -= fitter.layout.side[LEG] * turn
+        path[t, fitter.index.numbers[LEG][0]] -= fitter.layout.side[LEG] * turn
     before = np.hypot(*(tips(fitter, path) - tips(fitter, true))[MET, LEG].T)
     assert before.min() > 8.0
     settled = settle_all(fitter, found, path)
@@ -90,7 +91,7 @@ def test_frames_apart_do_not_touch_each_other(scene):
 
 
 def test_nothing_to_settle(scene):
-    assert settle_all(scene[0], [], np.empty((0, scene[0].n))) == []
+    assert settle_all(scene[0], [], np.empty((0, scene[0].index.n))) == []
 
 
 def test_what_a_frame_would_gain_is_that_of_two_parabolas(monkeypatch):
@@ -98,7 +99,7 @@ def test_what_a_frame_would_gain_is_that_of_two_parabolas(monkeypatch):
     one = SimpleNamespace(pose=np.zeros(1), precision=np.full((1, 1), 2.0), slope=np.zeros(1))
     said = np.ones((1, 1)), np.full((1, 1, 1), 2.0)
     monkeypatch.setattr(final_fit, "motion_messages", lambda *_: said)
-    fitter = SimpleNamespace(numbers=[np.array([0])], n=1)
+    fitter = SimpleNamespace(index=SimpleNamespace(numbers=[np.array([0])], n=1))
     others = final_fit._from_others(fitter, [one], [np.zeros(1)], [np.array([0])])
     assert others.gain == pytest.approx([0.5])
     assert others.around[0, 0] == 1.0

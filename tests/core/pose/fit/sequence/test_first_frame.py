@@ -10,7 +10,7 @@ import pytest
 from painted_walk import PX_PER_MM, PaintedReader, painted_walk
 
 from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart
-from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.rendering.evidence import Evidence
@@ -44,7 +44,7 @@ def test_a_small_body_is_not_turned_onto_its_legs():
     paint(layout, true, 1.8, np.zeros(2), *canvas)
     picture = (background.mean * (1.0 - canvas[0])).astype(np.uint8)
     settings = PoseSettings()
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal, layout,
         evidence=Evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd),
         anatomy=anatomy(animal, true, foreshortening_sd=settings.foreshortening_sd),
@@ -55,7 +55,9 @@ def test_a_small_body_is_not_turned_onto_its_legs():
     clicked = true.copy()
     clicked[:2] += (2.0, -2.0)
     clicked[2] += np.radians(3.0)
-    clicked[fitter.angles] += rng.normal(0.0, np.radians(3.0), len(clicked[fitter.angles]))
+    clicked[fitter.index.angles] += rng.normal(
+        0.0, np.radians(3.0), len(clicked[fitter.index.angles])
+    )
     found = first_frame._fit_body(
         fitter, PaintedReader([picture]).frame(0), clicked, first_frame.start_prior(fitter, clicked)
     )
@@ -106,14 +108,14 @@ def test_a_leg_that_stops_short_of_a_bent_end_is_slid_out_to_it():
     )
     settings = PoseSettings()
     background = SimpleNamespace(mean=np.full((240, 240), 200.0), sd=np.ones((240, 240)))
-    fitter = FrameFitter(
+    fitter = make_fitter(
         animal,
         layout,
         evidence=Evidence(background, factor=1, light=0.0, spread=0.12),
         anatomy=anatomy(animal, pose, foreshortening_sd=0.12),
         settings=settings,
     )
-    fitter.blur = 0.9
+    fitter = fitter.with_appearance(layout, blur=0.9)
     short = true.copy()
     short[numbers] = first_frame.slid_leg(layout, true, leg, factor=0.88)
     prior = first_frame.start_prior(fitter, pose)
