@@ -98,6 +98,7 @@ class PoseReviewer(StickPoser, Comparing):
         self._prepare(trial, retrack)
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
+        self._count_minutes(edits)
         self._open_corrected = partial(
             StretchEdits, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
         )
@@ -219,8 +220,7 @@ class PoseReviewer(StickPoser, Comparing):
 
     def _kept(self) -> str:
         """Say how many corrections there are, and where."""
-        n = len(self.corrected.corrections)
-        return f"{n} correction{'' if n == 1 else 's'} in {self.session.path.name}."
+        return self._cost()
 
     def _own_actions(self, *, busy: bool) -> list[dict[str, Any]]:
         """Return what a review does, and what changes a pose."""

@@ -23,7 +23,7 @@ from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, ViewSource
 from pawnb.widgets.questions import Questions
-from pawnb.widgets.retracking import RetrackTrial
+from pawnb.widgets.retracking import RetrackTrial, file_beside
 from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
@@ -130,9 +130,8 @@ class TrackReviewer(Comparing, Questions):
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
         self._given_doubtful = suspects
-        self._answers_file = edits.with_name(edits.name.replace("edits", "answers", 1))
-        if self._answers_file == edits:
-            self._answers_file = edits.with_name(f"{edits.name}.answers")
+        self._answers_file = file_beside(edits, "answers")
+        self._count_minutes(edits)
         self._tracks_again = write is None
         save = self._saver(folder, rig=rig) if write is None else write
         self._open_session = partial(
@@ -335,12 +334,9 @@ class TrackReviewer(Comparing, Questions):
     def _show_state(self, said: str = "", *, busy: bool = False) -> None:
         """Say what was done, and which buttons can be pressed."""
         session = self.session
-        n = len(session.corrections)
-        kept = "" if session.edits is None else f" in {session.edits.name}"
         said = said or _WHAT_TO_DO[bool(self._suspects)]
         stop = "" if said.endswith(".") else "."
-        count = f"{n} correction{'' if n == 1 else 's'}{kept}."
-        self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{count}"
+        self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{self._cost()}"
         pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
         actions: list[dict[str, Any]] = [
             {"id": "retrack", "text": "Re-track from here", "keys": ["r"],
