@@ -24,8 +24,9 @@ _STILL = 0.004
 """A shorter way of the pointer is a click, not a drag: about 3 px."""
 _WRONG = {False: "#A33B00", True: "#FF9E64"}
 """Colour of words on what is wrong, on a light and on a dark page."""
-_MOST_PX, _BESIDE_PX = (1000, 640), 330
-"""Size of the plots where there is room, and height of the window that buttons and menus take."""
+_SIZE_PX, _BESIDE_PX = (1000, 640), 330
+"""Size of the plots before a page shows them, which is their greatest height; and height of the
+window that buttons and menus take."""
 _WRAP = {"flex_flow": "row wrap"}
 _HELP = (
     "Click a stride in the gait diagram, or a point of the plot below right: it turns yellow in "
@@ -65,7 +66,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
         super().__init__()
         self.session = GaitSession(tables, path)
-        self._figure = Figure(figsize=(_MOST_PX[0] / 100, _MOST_PX[1] / 100), dpi=100)
+        self._figure = Figure(figsize=(_SIZE_PX[0] / 100, _SIZE_PX[1] / 100), dpi=100)
         self._canvas = make_canvas(self._figure)
         self._panels = GaitPanels(self._figure, self.session)
         self._pressed: float | None = None
@@ -155,7 +156,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)
-        fit_figure(self._figure, room=room, most=_MOST_PX, beside_px=_BESIDE_PX)
+        fit_figure(self._figure, room=room, highest_px=_SIZE_PX[1], beside_px=_BESIDE_PX)
 
     def _draw(self) -> None:
         """Draw everything anew."""

@@ -55,9 +55,7 @@ class WorkingTime:
         Seconds of any clock that only goes on.
     """
 
-    def __init__(
-        self, path: str | Path | None, *, clock: Callable[[], float] = monotonic
-    ) -> None:
+    def __init__(self, path: str | Path | None, *, clock: Callable[[], float] = monotonic) -> None:
         self._path, self._clock = None if path is None else Path(path), clock
         self._file: Journal[Worked] | None = None
         self._lock = Lock()
@@ -96,9 +94,7 @@ class WorkingTime:
         """Read the file anew; one that is no such file is left alone."""
         try:
             self._file = (
-                None
-                if self._path is None
-                else Journal(self._path, WORKED_LINES, made_in="review")
+                None if self._path is None else Journal(self._path, WORKED_LINES, made_in="review")
             )
         except InputError:
             self._file = None
