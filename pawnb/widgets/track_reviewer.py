@@ -37,7 +37,7 @@ _KEYS = (
     ),
     ("Click", "place a missing point, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
-    ("A", "the chosen point is right as it is"),
+    ("A, Enter", "the chosen point is right as it is"),
     ("R", "track the corrected points again from this frame on"),
     ("L", "the same, with their colours learnt in this frame"),
     ("Q", "questions about the most doubtful labels, answered by one key each; Q ends them"),
@@ -339,12 +339,12 @@ class TrackReviewer(Comparing, Questions):
         self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{self._cost()}"
         pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
         actions: list[dict[str, Any]] = [
-            {"id": "retrack", "text": "Re-track from here", "keys": ["r"],
+            {"id": "retrack", "text": "Track again from here", "keys": ["r"],
              "title": "Track the points corrected in this frame again from here on, every state "
                       "of the tracker reset (R)"},
             {"id": "learn", "text": "… with new colours", "keys": ["l"],
              "title": "The same, and learn the colours of the corrected points in this frame (L)"},
-            {"id": "accept", "text": "Accept", "keys": ["a"],
+            {"id": "accept", "text": "Accept", "keys": ["a", "Enter"],
              "title": "The chosen point is right as it is (A)"},
             {"id": "swap", "text": "Exchange from here on", "options": pairs,
              "title": "Two points were mistaken for one another from this frame on"},

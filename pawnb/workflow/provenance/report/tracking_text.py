@@ -78,7 +78,8 @@ def _reviewed(tracked: Sequence[Tracks]) -> str:
     was = "was" if len(last) == 1 else "were"
     return (
         f"{len(last)} of {len(tracked)} recordings {was} reviewed in a widget: {corrections} "
-        f"correction{'' if corrections == 1 else 's'} in {minutes:.1f} min of work (gaps of over {PAUSE_S:g} s left out)"
+        f"correction{'' if corrections == 1 else 's'} in {minutes:.1f} min of work "
+        f"(gaps of over {PAUSE_S:g} s left out)"
     )
 
 
