@@ -265,9 +265,10 @@ class GaitSession:
     def step_event(self, samples: int) -> None:
         """Move the event that is picked by some samples of its signal."""
         _, _, time_s = self._needed_event()
-        if self.signal is None:
+        signal = self.signal()
+        if signal is None:
             raise InputError("this leg has no signal; an event is moved in it.")
-        step_s = float(np.median(np.diff(self.signal.time_s)))
+        step_s = float(np.median(np.diff(signal.time_s)))
         self.move_event(time_s + samples * step_s)
 
     def add_event(self, event: str) -> None:

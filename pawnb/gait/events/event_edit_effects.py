@@ -70,7 +70,7 @@ def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.Da
             f"{edit.time_s:.4f} s; {why}."
         )
     row = own.iloc[[0]].copy()
-    told = {"event": edit.event, "time_s": edit.time_s, "method": HAND,
+    told: dict[str, Any] = {"event": edit.event, "time_s": edit.time_s, "method": HAND,
             "frame": _frame_at(own, edit.time_s),
             "position": _position_at(tables, edit, edit.time_s)}  # fmt: skip
     for name in row:
@@ -78,10 +78,9 @@ def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.Da
             row[name] = told[name]
         elif name not in ("animal", "trial", "leg"):
             row[name] = np.nan
-    before = own.index[own["time_s"].to_numpy(float) <= edit.time_s]
-    place = (
-        events.index.get_loc(before[-1]) + 1 if len(before) else events.index.get_loc(own.index[0])
-    )
+    earlier = own.index[own["time_s"].to_numpy(float) <= edit.time_s]
+    beside = earlier[-1] if len(earlier) else own.index[0]
+    place = int(np.flatnonzero(events.index == beside)[0]) + bool(len(earlier))
     row.index = [events.index.max() + 1]
     return pd.concat([events.iloc[:place], row, events.iloc[place:]])
 
