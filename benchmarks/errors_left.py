@@ -67,11 +67,11 @@ def render(folder: Path) -> Iterator[Path]:
         )
 
 
-def tracked(trial: Trial, file: Path) -> Tracks:
+def tracked(trial: Trial, file: Path, **settings: str) -> Tracks:
     """Track a trial, or read what was tracked before."""
     if file.exists():
         return read_tracks(file)
-    tracks = track(trial, progress=lambda *_: None)
+    tracks = track(trial, settings=settings or None, progress=lambda *_: None)
     tracks.to_netcdf(file)
     return tracks
 

@@ -33,7 +33,7 @@ _KEYS = (
     ("X", "set a click, or the picture of a board, aside; again takes it back"),
     ("F", "the board of this frame lies on the floor: it gives the axes"),
     ("C", "measure the scale of one view by two clicks a known distance apart, or by a grid"),
-    ("W", "write DLTcoefs.csv and lenses.toml"),
+    ("W, Ctrl+S", "write DLTcoefs.csv and lenses.toml"),
     ("Right click, Delete", "take a click away"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
 )
@@ -348,8 +348,8 @@ class CalibrationDigitiser(FrameCanvas):
              "title": "Take back the last change (Ctrl+Z)"},
             {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
              "enabled": session.can_redo, "title": "Make it again (Ctrl+Y)"},
-            {"id": "save", "text": "Write calibration", "keys": ["w"], "enabled": session.can_save,
-             "title": "Write DLTcoefs.csv and lenses.toml (W)"},
+            {"id": "save", "text": "Write calibration", "keys": ["w", "Ctrl+s"],
+             "enabled": session.can_save, "title": "Write DLTcoefs.csv and lenses.toml (W)"},
         ]  # fmt: skip
 
     def _show_measuring(self, measuring: ScaleClicks) -> None:

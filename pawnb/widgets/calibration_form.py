@@ -11,6 +11,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.io.boards import Board, read_board
 from pawnb.trial import Trial
 from pawnb.widgets.calibration_digitiser import CalibrationDigitiser
+from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
 from pawnb.workflow.calibration.name_in_trial import name_calibration
 
@@ -70,6 +71,11 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         self._told.add_class("pawnb-wrap")
         self._place = widgets.VBox()
         self.way.observe(lambda _: self._show_fields(), names="value")
+        named = {"way": self.way, "file": self.file, "length": self.length, "side": self.side,
+                 "squares": self.squares}  # fmt: skip
+        films = {f"film {name}": field for name, field in self.films.items()}
+        # what was typed is there again when the kernel has ended; clicks have files of their own
+        self._draft = FormDraft(trial.folder / ".calibration-draft.json", named | films)
         self._show_fields()
         self.children = (
             widgets.HBox([self.way, self.file, self.length, self.squares, self.side], layout=_ROW),
@@ -106,6 +112,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
                 made.edit("action", {"action": "save", "frame": made.frame})
             if session.written is not None:
                 self.trial = name_calibration(self.trial, session.written)
+        self._draft.forget()
         if self._done is not None:
             self._done()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
+from pawnb.widgets.frame_canvas import NO_PLACING, FrameCanvas, Overlay
 from pawnb.workflow.workbench.new_trial import NewTrial, NewView
 
 _LEFT_TOP, _RIGHT_BOTTOM = "left top", "right bottom"
@@ -75,7 +75,7 @@ class CropCanvas(FrameCanvas):
         self.label = "Choose the part of each picture"
         self.keys_help = [
             ["Drag a corner", "keep only this part of the picture"],
-            *(list(line) for line in MOUSE_AND_KEYS),
+            *(list(line) for line in NO_PLACING),
         ]
         self._show_state()
 

@@ -57,6 +57,7 @@ MOUSE_AND_KEYS = (
     ("0", "show every view whole again"),
     ("Left, Right", "one frame back or on; ten with Shift"),
     ("Home, End", "first and last frame"),
+    ("G", "go to a frame by its number"),
     (
         "Space",
         "play or stop; B plays backwards, Shift+Space in a loop (the chosen stretch, or all)",
@@ -66,6 +67,9 @@ MOUSE_AND_KEYS = (
     ("?", "this list"),
     ("Esc", "let go of a point: it stays where it was"),
 )
+
+NO_PLACING = tuple(line for line in MOUSE_AND_KEYS if line[0] != "E")
+"""The same where a click places nothing."""
 
 
 class FramePicture(Protocol):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,13 +25,19 @@ _STILL = 0.004
 """A shorter way of the pointer is a click, not a drag: about 3 px."""
 _WRONG = {False: "#A33B00", True: "#FF9E64"}
 """Colour of words on what is wrong, on a light and on a dark page."""
-_MOST_PX, _BESIDE_PX = (1000, 640), 330
-"""Size of the plots where there is room, and height of the window that buttons and menus take."""
+_SIZE_PX, _BESIDE_PX = (1000, 640), 330
+"""Size of the plots before a page shows them, which is their greatest height; and height of the
+window that buttons and menus take."""
 _WRAP = {"flex_flow": "row wrap"}
 _HELP = (
     "Click a stride in the gait diagram, or a point of the plot below right: it turns yellow in "
-    "every plot. In the signal, click an event and drag it to where it belongs."
+    "every plot. In the signal, click an event and drag it to where it belongs; where one is "
+    "missing, click there and add it. Keys in the plots: Left, Right move the picked event by a "
+    "frame, with Shift by ten; Delete; 1 to 4 add AEP, PEP, TD, LO; Ctrl+Z, Ctrl+Y undo, redo."
 )
+_ADDED = ("AEP", "PEP", "TD", "LO")
+_MOVED = {"left": -1, "right": 1, "shift+left": -10, "shift+right": 10}
+"""Keys that move an event, and by how many frames."""
 
 
 class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
@@ -38,7 +45,8 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
 
     Click a stride in the gait diagram: it is marked there, in the signal of its leg, in the
     phases of the pair and among the strides of its leg. Click an event in the signal to pick it
-    and drag it to move it; delete it, or exclude the stride and say why. Undo takes back what
+    and drag it to move it; delete it, add one where it is missing, or exclude the stride and say
+    why. Undo takes back what
     was done last.
 
     Parameters
@@ -65,7 +73,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
         super().__init__()
         self.session = GaitSession(tables, path)
-        self._figure = Figure(figsize=(_MOST_PX[0] / 100, _MOST_PX[1] / 100), dpi=100)
+        self._figure = Figure(figsize=(_SIZE_PX[0] / 100, _SIZE_PX[1] / 100), dpi=100)
         self._canvas = make_canvas(self._figure)
         self._panels = GaitPanels(self._figure, self.session)
         self._pressed: float | None = None
@@ -78,6 +86,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             ("button_press_event", self._on_press),
             ("motion_notify_event", self._on_move),
             ("button_release_event", self._on_release),
+            ("key_press_event", self._on_key),
         ):
             self._canvas.mpl_connect(name, handler)
         self._around.observe(self._on_room, names=["width", "height"])
@@ -108,6 +117,10 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         for words in (self._told, said):
             words.add_class("pawnb-wrap")
         self._delete = self._button("delete event", "trash", self.session.delete_event)
+        self._adds = {
+            event: self._button(f"add {event}", "plus", partial(self.session.add_event, event))
+            for event in _ADDED
+        }
         self._exclude = self._button("exclude stride", "ban", self._exclude_with_reason)
         self._undo = self._button("undo", "undo", self.session.undo)
         self._redo = self._button("redo", "repeat", self.session.redo)
@@ -115,7 +128,16 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self._pair.observe(self._on_pair, names="value")
         self._span.observe(self._on_span, names="value")
         row = widgets.HBox([self._trial, self._pair, self._span], layout=_WRAP)
-        buttons = [self._delete, self._exclude, self._reason, self._undo, self._redo]
+        for button in self._adds.values():
+            button.layout.width = "7em"
+        buttons = [
+            self._delete,
+            *self._adds.values(),
+            self._exclude,
+            self._reason,
+            self._undo,
+            self._redo,
+        ]
         legs = widgets.HBox([widgets.Label("legs"), self._leg_box], layout=_WRAP)
         self._leg_box.layout = _WRAP
         acts = widgets.HBox(buttons, layout=_WRAP)
@@ -144,6 +166,10 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         session, edits = self.session, self.session.edits
         self._undo.disabled, self._redo.disabled = not edits.can_undo, not edits.can_redo
         self._delete.disabled = session.event is None
+        kinds = [event for pair in session.kinds() for event in pair]
+        for event, button in self._adds.items():
+            button.layout.display = None if event in kinds else "none"
+            button.disabled = session.place_s is None
         self._exclude.disabled = self._reason.disabled = session.picked() is None
         self._show()
 
@@ -155,7 +181,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)
-        fit_figure(self._figure, room=room, most=_MOST_PX, beside_px=_BESIDE_PX)
+        fit_figure(self._figure, room=room, highest_px=_SIZE_PX[1], beside_px=_BESIDE_PX)
 
     def _draw(self) -> None:
         """Draw everything anew."""
@@ -245,6 +271,19 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         else:
             panels.mark()
         self._tell(session.text())
+
+    def _on_key(self, event: Any) -> None:
+        """Do what a key asks for."""
+        key, session = str(event.key), self.session
+        keys: dict[str, Callable[[], None]] = {
+            "delete": session.delete_event, "backspace": session.delete_event,
+            "ctrl+z": session.undo, "ctrl+y": session.redo, "ctrl+shift+z": session.redo,
+            "ctrl+Z": session.redo,
+        }  # fmt: skip
+        keys |= {str(k): partial(session.add_event, kind) for k, kind in enumerate(_ADDED, 1)}
+        keys |= {name: partial(session.step_event, by) for name, by in _MOVED.items()}
+        if key in keys:
+            self._do(keys[key])
 
     def _on_move(self, event: Any) -> None:
         """Let the line of the picked event follow the pointer."""

@@ -107,6 +107,11 @@ class GaitPanels:
                 event[2], low, high, color=_EVENT, linewidth=3.0, zorder=5
             )
             self._marks.append(self.event_line)
+        if (place_s := self.session.place_s) is not None:
+            line = self.signal.axvline(
+                place_s, color=_EVENT, linewidth=1.5, linestyle=":", zorder=5
+            )
+            self._marks.append(line)
 
     def _mark_stride(self, stride: dict[str, Any]) -> None:
         """Mark one stride in every plot."""

@@ -12,7 +12,13 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals
-from pawnb.gait.events.event_edits import DeleteEvent, EventEdits, ExcludeStride, MoveEvent
+from pawnb.gait.events.event_edits import (
+    AddEvent,
+    DeleteEvent,
+    EventEdits,
+    ExcludeStride,
+    MoveEvent,
+)
 from pawnb.gait.legs import sort_legs
 
 _CLOSE_S = 1e-6
@@ -48,6 +54,8 @@ class GaitSession:
         The stride that is picked.
     event : tuple of (leg, event, time_s), optional
         The event that is picked.
+    place_s : float, optional
+        Where an event can be added: where the signal was picked beside all events.
 
     Raises
     ------
@@ -63,6 +71,7 @@ class GaitSession:
         self.trials = tuple((animal, trial) for animal, trial in known.to_numpy().tolist())
         self.stride: tuple[str, float] | None = None
         self.event: tuple[str, str, float] | None = None
+        self.place_s: float | None = None
         self._found = tables
         self._missed = ""
         self.show(*self.trials[0])
@@ -232,9 +241,9 @@ class GaitSession:
         own = self.leg_events
         own = own[own["event"].isin(kinds)]
         away = np.abs(own["time_s"].to_numpy(dtype=float) - time_s)
-        self.event = None
+        self.event, self.place_s, self._missed = None, float(time_s), ""
         if len(away) and away.min() <= within_s:
-            self._missed = ""
+            self.place_s = None
             row = own.iloc[int(away.argmin())]
             self.event = (str(row["leg"]), str(row["event"]), float(row["time_s"]))
         return self.event
@@ -251,6 +260,35 @@ class GaitSession:
         self.event = (leg, event, float(to_s))
         if self.stride == (leg, time_s):
             self.stride = (leg, float(to_s))
+        self._keep_stride()
+
+    def step_event(self, samples: int) -> None:
+        """Move the event that is picked by some samples of its signal."""
+        _, _, time_s = self._needed_event()
+        signal = self.signal()
+        if signal is None:
+            raise InputError("this leg has no signal; an event is moved in it.")
+        step_s = float(np.median(np.diff(signal.time_s)))
+        self.move_event(time_s + samples * step_s)
+
+    def add_event(self, event: str) -> None:
+        """Add an event of :attr:`shown_leg` where the signal was picked.
+
+        Parameters
+        ----------
+        event : str
+            AEP, PEP, TD or LO.
+
+        Raises
+        ------
+        InputError
+            If no place was picked, or the leg can have no such event there.
+        """
+        if self.place_s is None:
+            raise InputError("pick a place first: click in the signal where there is no event.")
+        (animal, trial), leg, time_s = self.trial, self.shown_leg, self.place_s
+        self.edits.apply(AddEvent(animal=animal, trial=trial, leg=leg, event=event, time_s=time_s))
+        self.event, self.place_s = (leg, event, time_s), None
         self._keep_stride()
 
     def delete_event(self) -> None:
@@ -278,13 +316,13 @@ class GaitSession:
     def undo(self) -> None:
         """Take the last correction back; raises InputError where there is none."""
         self.edits.undo()
-        self.event = None
+        self.event = self.place_s = None
         self._keep_stride()
 
     def redo(self) -> None:
         """Make the last undone correction again; raises InputError where there is none."""
         self.edits.redo()
-        self.event = None
+        self.event = self.place_s = None
         self._keep_stride()
 
     def _needed_event(self) -> tuple[str, str, float]:
@@ -313,4 +351,6 @@ class GaitSession:
             )
         if self.event is not None:
             said.append(f"{self.event[1]} of {self.event[0]} at {self.event[2]:.3f} s")
+        if self.place_s is not None:
+            said.append(f"no event of {self.shown_leg} at {self.place_s:.3f} s: one can be added")
         return "; ".join([*said, self._missed] if self._missed else said) + "."

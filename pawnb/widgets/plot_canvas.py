@@ -33,6 +33,8 @@ def make_canvas(figure: Figure) -> Any:
 
     mpl.use(before)
     canvas = Canvas(figure)
-    FigureManager(canvas, 0)
+    manager = FigureManager(canvas, 0)
+    # matplotlib's own keys would make an axis logarithmic in passing
+    canvas.mpl_disconnect(manager.key_press_handler_id)
     canvas.header_visible = canvas.toolbar_visible = canvas.footer_visible = False
     return canvas

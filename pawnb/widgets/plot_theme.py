@@ -37,6 +37,8 @@ _MARGIN_PX = 12
 
 LEAST_PX = (420, 300)
 """No plots are smaller; the page scrolls instead."""
+WIDEST_PX = 1800
+"""No plots are wider: the cell of a window of 1920 px is filled."""
 
 
 @contextmanager
@@ -52,10 +54,8 @@ def on_screen() -> Iterator[None]:
         yield
 
 
-def fit_figure(
-    figure: Figure, *, room: tuple[int, int], most: tuple[int, int], beside_px: int
-) -> None:
-    """Make a figure as large as the page has room, in the shape it was made for or flatter.
+def fit_figure(figure: Figure, *, room: tuple[int, int], highest_px: int, beside_px: int) -> None:
+    """Make a figure as wide as its cell, and as high as the window has room.
 
     Parameters
     ----------
@@ -63,13 +63,13 @@ def fit_figure(
         A figure that a widget shows.
     room : tuple of int
         Width that there is, and height of the window, CSS px.
-    most : tuple of int
-        Width and height of the figure where there is room for all of it, CSS px.
+    highest_px : int
+        Height of the figure where there is room for all of it, CSS px.
     beside_px : int
         Height of the window that the plots do not have: menus, buttons, words.
     """
-    width = int(np.clip(room[0] - _MARGIN_PX, LEAST_PX[0], most[0]))
-    height = int(np.clip(room[1] - beside_px, LEAST_PX[1], most[1]))
+    width = int(np.clip(room[0] - _MARGIN_PX, LEAST_PX[0], WIDEST_PX))
+    height = int(np.clip(room[1] - beside_px, LEAST_PX[1], highest_px))
     dpi = figure.dpi / getattr(figure.canvas, "device_pixel_ratio", 1.0)
     figure.set_size_inches(width / dpi, height / dpi)
 

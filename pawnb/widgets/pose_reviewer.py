@@ -15,7 +15,7 @@ from pawnb.errors import InputError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay
+from pawnb.widgets.frame_canvas import NO_PLACING, Overlay
 from pawnb.widgets.pose_review_session import PoseReviewSession
 from pawnb.widgets.retracking import RetrackTrial
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
@@ -26,11 +26,19 @@ from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.start.propose_pose import pose_view
 
+_IN_SPACE = (
+    "Legs of poses in space are not exchanged or interpolated: which leg is which holds in every "
+    "view at once, so drag a frame right and track again from there (R)."
+)
+_NO_LANE = ("Body", "has no lane and is never exchanged: there is one; it is moved frame by frame")
 _KEYS = (
     *HANDLES,
     ("D", "the next doubtful frame, the most doubtful first"),
-    ("N", "the chosen leg back to its natural orientation"),
-    ("Enter", "the pose is right as it is"),
+    ("A, Enter", "the pose is right as it is"),
+    ("T", "fit the pose to the picture, as tracking with the default method begins"),
+    ("Shift+N", "the chosen leg back to its natural orientation"),
+    ("[, ]", "the chosen leg 2 % shorter, longer"),
+    ("Shift+L, Shift+R", "copy the left legs to the right side, the right ones to the left"),
     ("R", "track again both ways from this frame, with its pose as certain"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
     ("Ctrl+S", "save the tracks"),
@@ -98,6 +106,7 @@ class PoseReviewer(StickPoser, Comparing):
         self._prepare(trial, retrack)
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
+        self._count_minutes(edits)
         self._open_corrected = partial(
             StretchEdits, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
         )
@@ -112,17 +121,21 @@ class PoseReviewer(StickPoser, Comparing):
         self._own_views = shown if views is None else None
         self.label = "Review poses"
         compared = DIFFERENCE_KEYS if against is not None else ()
-        own = (*_KEYS, *compared, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
+        in_space = self.corrected.present.sizes["space"] == 3
+        over = [line for line in STRETCH_KEYS if not (in_space and line[0] in ("X", "N"))]
+        told = [("X, N", _IN_SPACE)] if in_space else []
+        own = (*_KEYS, *compared, *TIMELINE_KEYS, *over, *told, _NO_LANE, *NO_PLACING)
         self.keys_help = [list(line) for line in own]
         self._prepare_lanes(
             trial,
             self.corrected.present,
             self.session.colours,
             partners=self.session.partners(),
-            does=("swap", "interpolate", "hide", "delete", "retrack"),
+            does=(*(() if in_space else ("swap", "interpolate")), "hide", "delete", "retrack"),
         )
         self._show_comparison()
-        self._show_state(self._opening_notes(folder))
+        notes = [self._opening_notes(folder), *([_IN_SPACE] if in_space else [])]
+        self._show_state(" ".join(note for note in notes if note))
 
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame."""
@@ -219,16 +232,15 @@ class PoseReviewer(StickPoser, Comparing):
 
     def _kept(self) -> str:
         """Say how many corrections there are, and where."""
-        n = len(self.corrected.corrections)
-        return f"{n} correction{'' if n == 1 else 's'} in {self.session.path.name}."
+        return self._cost()
 
     def _own_actions(self, *, busy: bool) -> list[dict[str, Any]]:
         """Return what a review does, and what changes a pose."""
         own: list[dict[str, Any]] = [
             {"id": "retrack", "text": "Track again from here", "keys": ["r"],
              "title": "Track both ways from this frame, with its pose as certain (R)"},
-            {"id": "accept", "text": "This pose is right", "keys": ["Enter"],
-             "title": "Keep this pose as certain when other frames are tracked again (Enter)"},
+            {"id": "accept", "text": "Accept", "keys": ["a", "Enter"],
+             "title": "This pose is right: it is kept where other frames are tracked again (A)"},
         ]  # fmt: skip
         own += [*self._review_actions(busy=busy), *self._difference_actions()]
         # these are about the start pose

@@ -99,16 +99,16 @@ class Questions(Retracking):
         return expected_errors(tracks, clicks=clicks_of_tracks(tracks), seen=self._seen_right())
 
     def effort(self) -> dict[str, float]:
-        """Return what the review has cost: answers, minutes over them, and corrections.
+        """Return what the review has cost: minutes without pauses, corrections, and answers.
 
         Returns
         -------
         dict
-            ``answers``, ``minutes`` and ``corrections``.
+            ``minutes``, over all sessions, and ``corrections`` in force; ``answers``, and
+            ``answer_minutes``, the part of the minutes that they took.
         """
         minutes = sum(answer.seconds for answer in self.answers) / 60.0
-        n = len(self.corrected.corrections)
-        return {"answers": len(self.answers), "minutes": minutes, "corrections": n}
+        return super().effort() | {"answers": len(self.answers), "answer_minutes": minutes}
 
     def _seen_right(self) -> list[Seen]:
         """Return the labels of which a person has said, and not taken back, that they are right."""
@@ -291,7 +291,7 @@ class Questions(Retracking):
         self._question = None
         self._renew_sheet()
         spent = self.effort()
-        cost = f"{spent['answers']} answers in {spent['minutes']:.1f} min"
+        cost = f"{spent['answers']} answers in {spent['answer_minutes']:.1f} min"
         cost += f". Expected errors left: {self.expected_errors_left:.0f} labels"
         self._show_state(f"{said}: {cost}" if self._answers is not None else said)
         return None

@@ -26,8 +26,9 @@ _METHODS = {
     "autocorrelation": ("whiteness", "^"),
 }
 """Names of the methods in words, and their marks on the curve."""
-_MOST_PX, _BESIDE_PX = (1000, 540), 310
-"""Size of the plots where there is room, and height of the window that buttons and menus take."""
+_SIZE_PX, _BESIDE_PX = (1000, 540), 310
+"""Size of the plots before a page shows them, which is their greatest height; and height of the
+window that buttons and menus take."""
 _ROOM = 1.6
 """Height of a panel in ranges of its filtered signal: noise of derivatives would fill it else."""
 
@@ -71,7 +72,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self.session = ResidualSession(signals, fs_hz=fs_hz, order=order)
         super().__init__(cutoff_hz=self.session.cutoff_hz)
         self._unit, self._dragging = unit, False
-        self._figure = Figure(figsize=(_MOST_PX[0] / 100, _MOST_PX[1] / 100), dpi=100)
+        self._figure = Figure(figsize=(_SIZE_PX[0] / 100, _SIZE_PX[1] / 100), dpi=100)
         self._around = Surroundings()
         self._canvas = make_canvas(self._figure)
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
@@ -125,7 +126,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self._figure.clear()
         with on_screen():
             grid = self._figure.add_gridspec(
-                3, 2, width_ratios=[1.0, 1.6], left=0.07, right=0.985, bottom=0.1, top=0.94,
+                3, 2, width_ratios=[1.0, 1.6], left=0.075, right=0.985, bottom=0.1, top=0.92,
                 wspace=0.24, hspace=0.16,
             )  # fmt: skip
             self._draw_curve(grid)
@@ -156,6 +157,8 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         ax.set(xlabel="Cut-off (Hz)", ylabel=f"Residual, RMS{self._in('')}")
         ax.set_xlim(0.0, cutoff[-1])
         ax.set_ylim(0.0, min(top, 1.05 * float(np.nanmax(residual)) or 1.0))
+        # short numbers leave room for the label beside them
+        ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 4))
         ax.legend(loc="upper right")
 
     def _draw_motion(self, grid: Any) -> None:
@@ -217,7 +220,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)
-        fit_figure(self._figure, room=room, most=_MOST_PX, beside_px=_BESIDE_PX)
+        fit_figure(self._figure, room=room, highest_px=_SIZE_PX[1], beside_px=_BESIDE_PX)
 
     def _on_signal(self, change: dict[str, Any]) -> None:
         """Show another signal."""

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import traitlets
 
 from pawnb.core.edits.log import describe_edit
+from pawnb.core.edits.working_time import WorkingTime
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import GuardedFile
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.widgets.review_session import suspect_options
 from pawnb.widgets.timeline import TimelineCanvas
@@ -29,6 +31,9 @@ _NOT_SAVED = (
     "the tracks were not saved, and every correction is in its file: open the review again on the "
     "tracks that are there"
 )
+
+_LEAST_MIN = 0.1
+"""Less work is not spoken of."""
 
 Doubt = tuple[int, str, str, str]
 """Frame, view, point and reason."""
@@ -47,6 +52,7 @@ class Retracking(TimelineCanvas):
     corrected: Any  # CorrectedTracks; traitlets wants no stricter word here
 
     tracks = TracksTrait()
+    counts_minutes = traitlets.Bool(default_value=True).tag(sync=True)
 
     def _prepare(self, trial: Trial, retrack: RetrackTrial | None) -> None:
         """Remember the trial and how it is tracked again."""
@@ -58,13 +64,45 @@ class Retracking(TimelineCanvas):
         self._looked: set[Doubt] = set()
         self._offer_doubtful(None)
 
+    def _count_minutes(self, edits: Path) -> None:
+        """Begin to count how long a person works, in a file beside the corrections."""
+        self.working_time = WorkingTime(file_beside(edits, "minutes"))
+
+    def effort(self) -> dict[str, float]:
+        """Return what the review has cost: minutes without pauses, and corrections in force.
+
+        Returns
+        -------
+        dict
+            ``minutes``, over all sessions, and ``corrections``.
+        """
+        n = len(self.corrected.corrections)
+        return {"minutes": self.working_time.minutes, "corrections": n}
+
+    def _receive(self, widget: Any, message: dict[str, Any], buffers: Any) -> None:
+        """Answer one message of the browser; of some only the time counts."""
+        if message.get("type") in ("edit", "active"):
+            self.working_time.hear()
+        super()._receive(widget, message, buffers)
+
+    def _cost(self) -> str:
+        """Say how many corrections there are, in which file, and what they have cost."""
+        n, path = len(self.corrected.corrections), self.corrected.edits
+        kept = "" if path is None else f" in {path.name}"
+        minutes = self.working_time.minutes
+        spent = f", {minutes:.1f} min of work" if minutes >= _LEAST_MIN else ""
+        return f"{n} correction{'' if n == 1 else 's'}{kept}{spent}."
+
     def _saver(self, folder: Path, *, rig: Rig | None = None) -> Callable[[Tracks], None]:
         """Return what writes tracks into a folder, unless others came there meanwhile."""
         guard = GuardedFile(folder / "tracks.nc")
 
         def save(tracks: Tracks) -> None:
+            self.working_time.keep()
+            spent = {name: round(value, 1) for name, value in self.effort().items()}
             with guard.writing(refused=_NOT_SAVED):
-                write_track_results(tracks, folder, rig=rig)
+                reviewed = add_provenance(tracks, step="review", **spent)
+                write_track_results(reviewed, folder, rig=rig)
 
         return save
 
@@ -217,6 +255,8 @@ class Retracking(TimelineCanvas):
         if worker is not None and worker is not threading.current_thread():
             self._stop.set()
             worker.join()
+        if (counted := getattr(self, "working_time", None)) is not None:
+            counted.keep()
         super().close()
 
     def _show_state(self, said: str = "", *, busy: bool = False) -> None:
@@ -281,3 +321,22 @@ class Retracking(TimelineCanvas):
         if done % 10 == 0 or done == total or doing != self._doing:
             self._doing = doing
             self._show_state(f"{doing}: {done} of {total} frames", busy=True)
+
+
+def file_beside(edits: Path, what: str) -> Path:
+    """Return where else is kept what belongs to a file of corrections.
+
+    Parameters
+    ----------
+    edits : Path
+        The file of corrections, ``edits.jsonl`` or ``<name>.edits.jsonl``.
+    what : str
+        What is kept: it takes the place of ``edits`` in the name, or is added to it.
+
+    Returns
+    -------
+    Path
+        A file in the same folder.
+    """
+    path = edits.with_name(edits.name.replace("edits", what, 1))
+    return path if path != edits else edits.with_name(f"{edits.name}.{what}")

@@ -22,9 +22,9 @@ KEYS = (
     *HANDLES,
     ("[, ]", "the chosen leg 2 % shorter, longer"),
     ("M, Delete", "the chosen leg is missing, or there after all"),
-    ("N", "the chosen leg back to its natural orientation"),
+    ("Shift+N", "the chosen leg back to its natural orientation"),
     ("Shift+L, Shift+R", "copy the left legs to the right side, the right ones to the left"),
-    ("P, Enter", "propose a pose, accept it as it is"),
+    ("P; A, Enter", "propose a pose; accept it as it is"),
     ("T", "fit the pose to the picture, as tracking with the default method begins"),
     ("C", "scale: click the two ends of a known length"),
     ("F", "the pose belongs to this frame"),
@@ -62,8 +62,8 @@ def stick_actions(session: StickSession) -> list[dict[str, Any]]:
          "title": "Bend the left legs like the right ones (Shift+R)"},
         {"id": "missing", "text": f"{leg} is there" if lost else f"{leg} is missing",
          "keys": ["m"], "title": "The animal has lost the chosen leg, or has it after all (M)"},
-        {"id": "natural", "text": f"Straighten {leg}", "keys": ["n"],
-         "title": "Put the chosen leg at its natural orientation (N)"},
+        {"id": "natural", "text": f"Straighten {leg}", "keys": ["Shift+N"],
+         "title": "Put the chosen leg at its natural orientation (Shift+N)"},
         {"id": "undo", "text": "Undo", "keys": ["Ctrl+z"], "enabled": session.can_undo,
          "title": "Take back the last change (Ctrl+Z)"},
         {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
@@ -79,8 +79,8 @@ def stick_actions(session: StickSession) -> list[dict[str, Any]]:
              "title": "Tracking starts from this frame as well: give it a pose (Shift+F)"},
         ]  # fmt: skip
     elif session.proposed:
-        accept = {"id": "accept", "text": "Accept", "keys": ["Enter"],
-                  "title": "Take the proposed pose as it is (Enter)"}  # fmt: skip
+        accept = {"id": "accept", "text": "Accept", "keys": ["a", "Enter"],
+                  "title": "Take the proposed pose as it is (A, Enter)"}  # fmt: skip
         actions.insert(0, accept)
     elif len(session.posed_frames) > 1:
         drop = {"id": "drop", "text": "Not this frame", "keys": ["Shift+Delete"],

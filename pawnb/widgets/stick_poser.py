@@ -19,7 +19,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import trial_span
 from pawnb.widgets.fit_layers import FitLayers
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
+from pawnb.widgets.frame_canvas import NO_PLACING, FrameCanvas, Overlay
 from pawnb.widgets.picture_layers import PictureLayers
 from pawnb.widgets.scale_clicks import ScaleClicks
 from pawnb.widgets.stick_actions import KEYS, stick_actions
@@ -103,7 +103,7 @@ class StickPoser(FrameCanvas):
             self._propose(propose if isinstance(propose, PoseStart) else None)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
         self.label = "Pose the stick animal"
-        self.keys_help = [list(line) for line in (*KEYS, *MOUSE_AND_KEYS)]
+        self.keys_help = [list(line) for line in (*KEYS, *NO_PLACING)]
         self.tell_selected = True
         self._show_state()
         self.observe(self._look_at, names="frame")

@@ -22,7 +22,6 @@ TIMELINE_KEYS = (
     ("Click a lane", "go there, and choose its point"),
     ("Drag along a lane", "choose a stretch of that point; its ends can be dragged"),
     ("I, O", "the stretch begins, ends in this frame"),
-    ("G", "go to a frame by its number"),
     ("Esc", "no stretch"),
 )
 STRETCH_KEYS = (

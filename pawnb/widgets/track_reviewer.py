@@ -23,7 +23,7 @@ from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, ViewSource
 from pawnb.widgets.questions import Questions
-from pawnb.widgets.retracking import RetrackTrial
+from pawnb.widgets.retracking import RetrackTrial, file_beside
 from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
@@ -37,7 +37,7 @@ _KEYS = (
     ),
     ("Click", "place a missing point, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
-    ("A", "the chosen point is right as it is"),
+    ("A, Enter", "the chosen point is right as it is"),
     ("R", "track the corrected points again from this frame on"),
     ("L", "the same, with their colours learnt in this frame"),
     ("Q", "questions about the most doubtful labels, answered by one key each; Q ends them"),
@@ -130,9 +130,8 @@ class TrackReviewer(Comparing, Questions):
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
         self._given_doubtful = suspects
-        self._answers_file = edits.with_name(edits.name.replace("edits", "answers", 1))
-        if self._answers_file == edits:
-            self._answers_file = edits.with_name(f"{edits.name}.answers")
+        self._answers_file = file_beside(edits, "answers")
+        self._count_minutes(edits)
         self._tracks_again = write is None
         save = self._saver(folder, rig=rig) if write is None else write
         self._open_session = partial(
@@ -335,20 +334,17 @@ class TrackReviewer(Comparing, Questions):
     def _show_state(self, said: str = "", *, busy: bool = False) -> None:
         """Say what was done, and which buttons can be pressed."""
         session = self.session
-        n = len(session.corrections)
-        kept = "" if session.edits is None else f" in {session.edits.name}"
         said = said or _WHAT_TO_DO[bool(self._suspects)]
         stop = "" if said.endswith(".") else "."
-        count = f"{n} correction{'' if n == 1 else 's'}{kept}."
-        self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{count}"
+        self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{self._cost()}"
         pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
         actions: list[dict[str, Any]] = [
-            {"id": "retrack", "text": "Re-track from here", "keys": ["r"],
+            {"id": "retrack", "text": "Track again from here", "keys": ["r"],
              "title": "Track the points corrected in this frame again from here on, every state "
                       "of the tracker reset (R)"},
             {"id": "learn", "text": "… with new colours", "keys": ["l"],
              "title": "The same, and learn the colours of the corrected points in this frame (L)"},
-            {"id": "accept", "text": "Accept", "keys": ["a"],
+            {"id": "accept", "text": "Accept", "keys": ["a", "Enter"],
              "title": "The chosen point is right as it is (A)"},
             {"id": "swap", "text": "Exchange from here on", "options": pairs,
              "title": "Two points were mistaken for one another from this frame on"},

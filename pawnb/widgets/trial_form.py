@@ -10,6 +10,7 @@ import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.crop_canvas import CropCanvas
+from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
 from pawnb.workflow.workbench.animals import ANIMALS, OTHER, choose_animal
 from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, second_view
@@ -20,7 +21,10 @@ _NONE = "none"
 
 
 class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
-    """Make a trial of some videos: nothing is written before *Make the trial* is pressed.
+    """Make a trial of some videos: it is written when *Make the trial* is pressed.
+
+    Until then what was typed and dragged is kept in ``.trial-draft.json`` beside it, which goes
+    away with that: nothing is lost where the kernel ends.
 
     Parameters
     ----------
@@ -55,12 +59,18 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self._told = widgets.Label()
         self._told.add_class("pawnb-wrap")
         self._canvas: CropCanvas | None = None
+        self._draft: FormDraft | None = None
+        self._rows: list[_ViewRow] = []
         self._make_fields()
         self._of_views = widgets.VBox()
         self._make = widgets.Button(
             description="Make the trial", button_style="primary", icon="check"
         )
         self._make.on_click(lambda _: self.write())
+        self._draft = FormDraft(
+            self.made.folder / ".trial-draft.json", self._fields(), more=self._views_typed
+        )
+        self.made.views = _views_of(self._draft.kept_more, self.made.views)
         self._show_views()
 
     def write(self) -> Path | None:
@@ -71,6 +81,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         except (PawnbError, OSError) as error:
             self._tell(str(error), wrong=True)
             return None
+        if self._draft is not None:
+            self._draft.forget()
         self._tell(f"Wrote {path}.")
         if self._done is not None:
             self._done(path)
@@ -112,6 +124,26 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self.belt = widgets.Text(placeholder="unit a second, or none", description="treadmill")
         self.animal.observe(self._on_animal, names="value")
 
+    def _fields(self) -> dict[str, Any]:
+        """Return the fields of the whole trial by name."""
+        names = ("name", "animal_id", "animal", "points", "fps", "unit", "dlt", "px_per_unit",
+                 "belt")  # fmt: skip
+        return {name: getattr(self, name) for name in names}
+
+    def _views_typed(self) -> list[dict[str, Any]]:
+        """Return the views as the rows have them."""
+        self._keep()
+        return [
+            {"video": str(view.video), "name": view.name, "mirror": view.mirror,
+             "points": list(view.points), "crop": None if view.crop is None else list(view.crop)}
+            for view in self.made.views
+        ]  # fmt: skip
+
+    def _on_change(self) -> None:
+        """Keep what was typed or dragged."""
+        if self._draft is not None:
+            self._draft.keep()
+
     def _on_animal(self, _change: Any) -> None:
         """Ask for the points where the list does not know them."""
         self.points.layout.display = None if self.animal.value == OTHER else "none"
@@ -121,7 +153,7 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         """Show the fields, one row a view, and the pictures."""
         made = self.made
         several = len(made.views) > 1
-        canvas = CropCanvas(made, max_height=420)
+        canvas = CropCanvas(made, changed=self._on_change, max_height=420)
         if self._canvas is not None:
             self._canvas.close()
         self._canvas = canvas
@@ -133,6 +165,7 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
             widgets.HBox([*fields, calibration, self.belt], layout=_ROW),
             self._canvas, self._of_views, widgets.HBox([self._make, self._told], layout=_ROW),
         )  # fmt: skip
+        self._on_change()  # a view may have come or gone
 
     def _take(self) -> None:
         """Take over what the fields say; raises InputError for what makes no sense."""
@@ -195,6 +228,8 @@ class _ViewRow:
             value=", ".join(view.points), placeholder="all points", description="sees",
             layout=_WIDE,
         )  # fmt: skip
+        for field in (self.name, self.mirror, self.points):
+            field.observe(lambda _: form._on_change(), names="value")
         again = widgets.Button(
             description="Another view in this video",
             tooltip="As where a mirror shows the animal from below",
@@ -213,6 +248,28 @@ class _ViewRow:
         self._view.name = self.name.value.strip()
         self._view.mirror = bool(self.mirror.value)
         self._view.points = _names(self.points.value)
+
+
+def _views_of(kept: Any, given: list[NewView]) -> list[NewView]:
+    """Return the views of a draft; those given where it is of other videos, or none."""
+    try:
+        views = [
+            NewView(Path(one["video"]), str(one["name"]), mirror=bool(one["mirror"]),
+                    points=tuple(map(str, one["points"])),
+                    crop=None if one["crop"] is None else _box(one["crop"]))
+            for one in kept
+        ]  # fmt: skip
+    except (TypeError, KeyError, ValueError):
+        return given
+    return views if {v.video for v in views} == {v.video for v in given} else given
+
+
+def _box(values: Sequence[Any]) -> tuple[int, int, int, int]:
+    """Return the part of a picture that four numbers say."""
+    u0, v0, u1, v1 = map(int, values)
+    if not (0 <= u0 < u1 and 0 <= v0 < v1):
+        raise ValueError(values)
+    return u0, v0, u1, v1
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -175,4 +175,8 @@ def test_plots_fit_the_page_and_follow_its_theme(small, source):
         assert box["width"] > 0.9 * room["width"]
         assert box["height"] < 768 - 250
     small.page.set_viewport_size({"width": 1920, "height": 1200})
-    small.until("w._figure.get_size_inches().tolist()[0] * 100", 1000, seconds=30)
+    small.until(
+        "w._figure.get_size_inches().tolist()[0] > 13", True, seconds=30
+    )  # the cell is wider
+    small.wait_idle()
+    assert canvas.bounding_box()["width"] > 0.9 * area.bounding_box()["width"]

@@ -118,7 +118,7 @@ def test_answers_are_corrections_and_are_written_with_their_time(opened, tmp_pat
          "seconds": 60.0},  # a pause
     ]  # fmt: skip
     assert widget.effort() == {
-        "answers": 2, "minutes": pytest.approx(63.5 / 60), "corrections": 2,
+        "answers": 2, "answer_minutes": pytest.approx(63.5 / 60), "minutes": 0.0, "corrections": 2,
     }  # fmt: skip
     again = opened(scene.true_tracks(), suspects=table)
     press(again, "ask")

@@ -8,7 +8,9 @@ from pawnb import load_trial
 from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
+from pawnb.io import read_tracks
 from pawnb.widgets import TrackReviewer
+from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.results import write_track_results
 
 
@@ -165,6 +167,29 @@ def test_a_second_window_saves_no_tracks_that_lack_what_the_first_corrected(tria
     assert first.alarm == ""
     first.close()
     second.close()
+
+
+def test_the_minutes_of_a_review_are_counted_shown_and_saved(trial_file, tmp_path):
+    clock = [0.0]
+    widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
+    widget.working_time._clock = lambda: clock[0]
+    # looks around for 30 s and corrects; makes a pause of 10 minutes; saves 15 s after the next
+    for now, act in ((0, None), (30, "moved"), (630, None), (645, "save")):
+        clock[0] = now
+        if act is None:
+            widget._receive(widget, {"type": "active"}, [])
+        else:
+            put(widget, 3, what="action" if act == "save" else act, action=act)
+    assert widget.status.endswith("1 correction in edits.jsonl, 0.8 min of work.")
+    assert widget.effort() == {
+        "minutes": 0.75, "corrections": 1, "answers": 0, "answer_minutes": 0.0,
+    }  # fmt: skip
+    saved = read_tracks(tmp_path / "tracks.nc")
+    assert "1 correction in 0.8 min of work (gaps" in tracking_sentences([saved])
+    widget.close()
+    again = TrackReviewer(trial_file, saved, edits=tmp_path / "edits.jsonl")
+    assert again.effort()["minutes"] == 0.75
+    again.close()
 
 
 def test_tracks_that_were_made_meanwhile_are_not_written_over(trial_file, tmp_path):

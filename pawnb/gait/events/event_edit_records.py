@@ -44,6 +44,17 @@ class DeleteEvent:
 
 
 @dataclass(frozen=True, kw_only=True)
+class AddEvent:
+    """There was such an event that was not found; fields as those of :class:`MoveEvent`."""
+
+    animal: str
+    trial: str
+    leg: str
+    event: str
+    time_s: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class ExcludeStride:
     """A stride that shall not count.
 
@@ -64,10 +75,10 @@ class ExcludeStride:
     reason: str
 
 
-EventEdit: TypeAlias = MoveEvent | DeleteEvent | ExcludeStride
+EventEdit: TypeAlias = MoveEvent | DeleteEvent | AddEvent | ExcludeStride
 Entry: TypeAlias = EventEdit | Step
 
 EVENT_EDIT_LINES: LineFormat[EventEdit] = LineFormat(
-    {"move": MoveEvent, "delete": DeleteEvent, "exclude": ExcludeStride}
+    {"move": MoveEvent, "delete": DeleteEvent, "add": AddEvent, "exclude": ExcludeStride}
 )
 """The lines of ``event_edits.jsonl``."""

@@ -1,44 +1,42 @@
 """Corrections of events by hand, kept line by line, and an analysis made again with them.
 
-A person moves or deletes an event, or excludes a stride and says why. Each correction is a line
-of ``event_edits.jsonl``, on disk as soon as it is made; undo and redo are lines too. The events
-that were found are never changed: reading the file again gives the present state.
+A person moves, deletes or adds an event, or excludes a stride and says why. Each correction is a
+line of ``event_edits.jsonl``, on disk as soon as it is made; undo and redo are lines too. The
+events that were found are never changed: reading the file again gives the present state.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables, rebuild_tables
-from pawnb.gait.cycles.leg_signals import POSITION
+from pawnb.gait.events.event_edit_effects import (
+    HAND,
+    add_event,
+    exclude_stride,
+    find_event,
+    move_event,
+)
 from pawnb.gait.events.event_edit_records import (
     EVENT_EDIT_LINES,
     FILE_NAME,
+    AddEvent,
     DeleteEvent,
     Entry,
     EventEdit,
     ExcludeStride,
     MoveEvent,
 )
-from pawnb.gait.strides.stride_table import choose_stride_event
 from pawnb.io.journal import Journal, enter_step, read_journal
 
-HAND = "hand"
-"""``method`` of events that a person moved."""
-
-_CLOSE_S = 1e-6
-
 __all__ = [
-    "FILE_NAME", "DeleteEvent", "EventEdit", "EventEdits", "ExcludeStride", "MoveEvent",
-    "apply_event_edits", "read_event_edits", "replay_event_edits",
+    "FILE_NAME", "HAND", "AddEvent", "DeleteEvent", "EventEdit", "EventEdits", "ExcludeStride",
+    "MoveEvent", "apply_event_edits", "read_event_edits", "replay_event_edits",
 ]  # fmt: skip
 
 
@@ -242,8 +240,8 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     Returns
     -------
     GaitTables
-        The tables. Moved events have the method ``"hand"``; excluded strides are among what was
-        dropped, with their reason. ``found`` is the analysis without corrections.
+        The tables. Moved and added events have the method ``"hand"``; excluded strides are among
+        what was dropped, with their reason. ``found`` is the analysis without corrections.
 
     Raises
     ------
@@ -257,11 +255,13 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     excluded: list[tuple[str, str, str, float, str]] = []
     for edit in edits:
         if isinstance(edit, ExcludeStride):
-            excluded.append(_excluded(events, edit, tables, excluded))
+            excluded.append(exclude_stride(events, edit, tables, excluded))
         elif isinstance(edit, DeleteEvent):
-            events = events.drop(index=_find(events, edit))
+            events = events.drop(index=find_event(events, edit))
+        elif isinstance(edit, AddEvent):
+            events = add_event(events, edit, tables)
         else:
-            events = _moved(events, edit, tables)
+            events = move_event(events, edit, tables)
     columns = ["animal", "trial", "leg", "time_s", "why"]
     corrected = rebuild_tables(
         tables,
@@ -270,92 +270,3 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
         trials={(edit.animal, edit.trial) for edit in edits},
     )
     return dataclasses.replace(corrected, found=tables)
-
-
-def _own(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
-    """Return the events of the leg that a correction names, in order of time."""
-    known = (events["animal"] == edit.animal) & (events["trial"] == edit.trial)
-    own = events[known & (events["leg"] == edit.leg)].sort_values("time_s", kind="stable")
-    if own.empty:
-        raise InputError(
-            f"there are no events of leg {edit.leg!r} of animal {edit.animal!r}, trial "
-            f"{edit.trial!r}; do these corrections belong to this analysis?"
-        )
-    return own
-
-
-def _find(events: pd.DataFrame, edit: MoveEvent | DeleteEvent) -> Any:
-    """Return the label of the row of an event."""
-    own = _own(events, edit)
-    near = (own["event"] == edit.event) & ((own["time_s"] - edit.time_s).abs() < _CLOSE_S)
-    if not near.any():
-        raise InputError(
-            f"trial {edit.trial!r}: {edit.leg} has no {edit.event} at {edit.time_s:.4f} s; the "
-            "events were found anew since it was corrected, or it is deleted."
-        )
-    return own.index[near.to_numpy()][0]
-
-
-def _moved(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.DataFrame:
-    """Return the events with one of them moved between its neighbours."""
-    label, own = _find(events, edit), _own(events, edit)
-    kinds = ("AEP", "PEP") if edit.event in ("AEP", "PEP") else ("TD", "LO")
-    others = own.loc[own["event"].isin(kinds) & (own.index != label), "time_s"].to_numpy(float)
-    before = others[others <= edit.time_s].max(initial=-math.inf)
-    after = others[others > edit.time_s].min(initial=math.inf)
-    if not before < edit.to_s < after:
-        raise InputError(
-            f"trial {edit.trial!r}: {edit.event} of {edit.leg} cannot go to {edit.to_s:.4f} s; "
-            f"expected a time between its neighbours, {before:.4f} to {after:.4f} s."
-        )
-    events.loc[label, "frame"] = _frame_at(own, edit)
-    events.loc[label, "time_s"], events.loc[label, "method"] = edit.to_s, HAND
-    if "position" in events:
-        events.loc[label, "position"] = _position_at(tables, edit)
-    order = own.index.to_numpy()
-    events.loc[order] = events.loc[order].sort_values("time_s", kind="stable").to_numpy()
-    return events
-
-
-def _frame_at(own: pd.DataFrame, edit: MoveEvent) -> float:
-    """Return the frame of the new time, from the frames of the leg's other events."""
-    known = own.dropna(subset=["frame"])
-    if len(known) < 2:
-        return math.nan
-    rate, start = np.polyfit(known["time_s"].to_numpy(float), known["frame"].to_numpy(float), 1)
-    return float(start + rate * edit.to_s)
-
-
-def _position_at(tables: GaitTables, edit: MoveEvent) -> float:
-    """Return where the foot was at the new time, along forward; NaN where not known."""
-    for one in tables.signals:
-        same = (one.animal, one.trial, one.signal) == (edit.animal, edit.trial, POSITION)
-        if same and edit.leg in one.legs:
-            column = one.samples[:, one.legs.index(edit.leg)]
-            return float(np.interp(edit.to_s, one.time_s, column))
-    return math.nan
-
-
-def _excluded(
-    events: pd.DataFrame,
-    edit: ExcludeStride,
-    tables: GaitTables,
-    before: Sequence[tuple[str, str, str, float, str]],
-) -> tuple[str, str, str, float, str]:
-    """Return animal, trial, leg, the middle of the stride that shall not count, and why."""
-    if not edit.reason.strip():
-        raise InputError("a stride is excluded for a reason; say why.")
-    own = _own(events, edit)
-    trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
-    start = choose_stride_event(trial, tables.settings.stride_events)
-    times = own.loc[own["event"] == start, "time_s"].to_numpy(float)
-    at = np.flatnonzero(np.abs(times - edit.start_s) < _CLOSE_S)
-    if not len(at) or at[0] + 1 == len(times):
-        raise InputError(
-            f"trial {edit.trial!r}: no stride of {edit.leg} begins at {edit.start_s:.4f} s."
-        )
-    middle = float(times[at[0]] + times[at[0] + 1]) / 2.0
-    row = (edit.animal, edit.trial, edit.leg, middle)
-    if any(row[:3] == other[:3] and abs(middle - other[3]) < _CLOSE_S for other in before):
-        raise InputError(f"the stride of {edit.leg} at {edit.start_s:.4f} s is excluded already.")
-    return (*row, f"excluded by hand: {edit.reason.strip()}")

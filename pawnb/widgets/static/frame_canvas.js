@@ -3,11 +3,14 @@
 //
 // browser -> kernel: {type: "edit", what, who, n, frame, selected, ...}
 //                    what: click, moved, hide, select or action
+//                    {type: "active"}                                      somebody works here
 // kernel -> browser: {type: "done", who, n, version, frame, overlay, go?}   it is on disk
 //                    {type: "refresh", version, go?}                       overlays have changed
 
 const GAP = 8; // CSS pixels between views
 const HEAD = 32; // height of the line above each view
+const TELLING_MS = 5000; // Python is told so often that somebody works here
+const WORK = ["keydown", "pointermove", "pointerdown", "wheel"];
 
 class Canvas extends Keys {
   constructor(model, el) {
@@ -17,6 +20,7 @@ class Canvas extends Keys {
     this.waiting = new Map(); // edits that are not yet on disk, and what takes each back here
     this.unanswered = 0; // edits that were on their way when the connection was lost
     this.n = 0;
+    this.told = -Infinity; // when Python was told last that somebody works here, ms
     const chosen = model.get("selected") || [];
     this.selected = chosen.length ? chosen : null; // [view, point]
     this.looked = 0; // which look of Python's was shown last
@@ -383,6 +387,18 @@ class Canvas extends Keys {
     this.connection.send({ ...about, ...message });
   }
 
+  // Somebody works here: the minutes of a review are counted in Python.
+  tellActive() {
+    const now = performance.now();
+    if (this.connection.down || now - this.told < TELLING_MS) return;
+    this.told = now;
+    try {
+      this.model.send({ type: "active" });
+    } catch {
+      // a closed line, which the next edit notices
+    }
+  }
+
   done({ who, n, version, frame, overlay, go }) {
     const mine = who === this.frames.who;
     if (mine) this.waiting.delete(n);
@@ -420,6 +436,10 @@ class Canvas extends Keys {
     };
     for (const [event, handler] of Object.entries(this.handlers)) model.on(event, handler);
     this.root.addEventListener("keydown", (e) => this.key(e));
+    if (model.get("counts_minutes")) {
+      const told = { capture: true, passive: true };
+      for (const event of WORK) this.root.addEventListener(event, () => this.tellActive(), told);
+    }
     this.observer = new ResizeObserver(() => this.layout());
     this.observer.observe(this.grid);
     this.themes = new MutationObserver(() => this.timeline && this.timeline.redraw());

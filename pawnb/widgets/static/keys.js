@@ -54,17 +54,25 @@ class Keys extends Controls {
     if (!e.altKey || !way || this.connection.down || this.pending) return false;
     const [view, id] = this.selected || [];
     const stage = this.stages.find((one) => one.name === view);
-    const point = stage && (stage.overlay.points || []).find((one) => one.id === id);
+    const point = this.nudged ? this.nudged.point : stage && this.nudgeable(stage, id);
     if (!point || stage.drag) return false;
     this.frames.play(false);
     const by = e.shiftKey ? 0.1 : 1;
+    if (!this.nudged && stage.stick) stage.stick.grab();
     this.nudged ||= { stage, point, was: [point.u, point.v] };
     point.u = Math.min(Math.max(point.u + by * way[0], -0.49), stage.W - 0.51);
     point.v = Math.min(Math.max(point.v + by * way[1], -0.49), stage.H - 0.51);
+    if (stage.stick) stage.stick.drag(point.id, point.u, point.v, true);
     clearTimeout(this.nudging);
     this.nudging = setTimeout(() => this.keepNudge(), STILL_MS);
     this.redraw();
     return true;
+  }
+
+  // The point that keys move: of a stick animal the tip of the chosen leg.
+  nudgeable(stage, id) {
+    const moved = stage.stick ? stage.stick.handles() : stage.overlay.points || [];
+    return moved.find((one) => one.id === id);
   }
 
   keepNudge() {
@@ -73,6 +81,14 @@ class Keys extends Controls {
     this.nudged = null;
     if (!nudged || this.closed) return;
     const { stage, point, was } = nudged;
+    const { stick } = stage;
+    if (stick) {
+      const before = stick.start;
+      stick.release();
+      const told = { what: "moved", view: stage.name, point: point.id, u: point.u, v: point.v, whole: true };
+      this.edit(told, () => { stick.spec = before; });
+      return;
+    }
     const moved = { what: "moved", view: stage.name, point: point.id, u: point.u, v: point.v, whole: true };
     this.edit(moved, () => { [point.u, point.v] = was; });
   }

@@ -14,6 +14,7 @@ from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES
 from pawnb.gait.events.event_edits import (
+    AddEvent,
     DeleteEvent,
     EventEdits,
     ExcludeStride,
@@ -81,6 +82,30 @@ def test_a_deleted_event_takes_its_strides_along(tables):
     assert len(strides_of(out, "R1")) == 5
     assert "no PEP between two AEP; expected one" in set(out.dropped["why"])
     assert len(out.events) == len(tables.events) - 1
+
+
+def test_an_event_that_was_deleted_and_added_again_is_where_it_was(tables, tmp_path):
+    edits = EventEdits(tables, tmp_path / "event_edits.jsonl")
+    edits.apply(DeleteEvent(**WHO, leg="R1", event="PEP", time_s=0.52))
+    edits.apply(AddEvent(**WHO, leg="R1", event="PEP", time_s=0.53))
+    new = edits.tables.events[edits.tables.events["method"] == "hand"]
+    assert new[["leg", "event", "time_s", "frame"]].to_numpy().tolist() == [
+        ["R1", "PEP", 0.53, pytest.approx(53.0)]
+    ]
+    own = edits.tables.events[edits.tables.events["leg"] == "R1"]["time_s"].to_numpy()
+    assert (np.diff(own) > 0).all()
+    stance = strides_of(edits.tables, "R1")["stance_s"]
+    np.testing.assert_allclose(stance, [0.12, 0.12, 0.13, 0.12, 0.12, 0.12])
+    same(replay_event_edits(tables, tmp_path / "event_edits.jsonl"), edits.tables)
+    edits.undo()
+    assert len(strides_of(edits.tables, "R1")) == 5
+    for event, time_s, why in (
+        ("AEP", 0.4, "already"),
+        ("AEP", 9.0, "0.0000 to"),
+        ("TD", 0.3, "no"),
+    ):
+        with pytest.raises(InputError, match=why):
+            edits.apply(AddEvent(**WHO, leg="R1", event=event, time_s=time_s))
 
 
 def test_an_excluded_stride_is_dropped_with_its_reason(tables):

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.core.edits.working_time import PAUSE_S
 from pawnb.core.paws.offline.quality.assessment import Quality
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -26,8 +27,8 @@ def tracking_sentences(tracked: Sequence[Tracks]) -> str:
     Returns
     -------
     str
-        Frames and frame rates, programs, labels by hand, reprojection residual and verdicts;
-        empty without tracks.
+        Frames and frame rates, programs, labels by hand, what reviews have cost, reprojection
+        residual and verdicts; empty without tracks.
     """
     if not tracked:
         return ""
@@ -36,9 +37,8 @@ def tracking_sentences(tracked: Sequence[Tracks]) -> str:
     rate = f"{rates[0]:g}" if len(rates) == 1 else f"{rates[0]:g} to {rates[-1]:g}"
     by = ", ".join(dict.fromkeys(_program(tracks) for tracks in tracked))
     said = [f"Points were tracked in {frames} frames at {rate} frames a second by {by}"]
-    said += [
-        words for words in (_by_hand(tracked), _residual(tracked), _verdicts(tracked)) if words
-    ]
+    parts = (_by_hand(tracked), _reviewed(tracked), _residual(tracked), _verdicts(tracked))
+    said += [words for words in parts if words]
     return ". ".join(said) + "."
 
 
@@ -62,6 +62,25 @@ def _by_hand(tracked: Sequence[Tracks]) -> str:
     there = sum(int((code != ORIGIN_CODE["missing"]).sum()) for code in codes)
     placed = sum(int((code == ORIGIN_CODE["edited"]).sum()) for code in codes)
     return f"{placed} of {there} labels were placed by hand" if there else ""
+
+
+def _reviewed(tracked: Sequence[Tracks]) -> str:
+    """Say how many trials a person has reviewed, with how many corrections, and in what time."""
+    reviews = [
+        [step for step in provenance_steps(tracks) if step["step"] == "review"][-1:]
+        for tracks in tracked
+    ]
+    last = [step for steps in reviews for step in steps]
+    if not last:
+        return ""
+    corrections = sum(int(step.get("corrections", 0)) for step in last)
+    minutes = sum(float(step.get("minutes", 0)) for step in last)
+    was = "was" if len(last) == 1 else "were"
+    return (
+        f"{len(last)} of {len(tracked)} recordings {was} reviewed in a widget: {corrections} "
+        f"correction{'' if corrections == 1 else 's'} in {minutes:.1f} min of work "
+        f"(gaps of over {PAUSE_S:g} s left out)"
+    )
 
 
 def _residual(tracked: Sequence[Tracks]) -> str:

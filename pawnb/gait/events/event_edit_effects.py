@@ -1,0 +1,167 @@
+"""What one correction does to the events of an analysis."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.gait.analysis.tables import GaitTables
+from pawnb.gait.cycles.leg_signals import POSITION
+from pawnb.gait.events.event_edit_records import (
+    AddEvent,
+    DeleteEvent,
+    EventEdit,
+    ExcludeStride,
+    MoveEvent,
+)
+from pawnb.gait.strides.stride_table import choose_stride_event
+
+HAND = "hand"
+"""``method`` of events that a person moved or added."""
+
+_CLOSE_S = 1e-6
+
+
+def own_events(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
+    """Return the events of the leg that a correction names, in order of time."""
+    known = (events["animal"] == edit.animal) & (events["trial"] == edit.trial)
+    own = events[known & (events["leg"] == edit.leg)].sort_values("time_s", kind="stable")
+    if own.empty:
+        raise InputError(
+            f"there are no events of leg {edit.leg!r} of animal {edit.animal!r}, trial "
+            f"{edit.trial!r}; do these corrections belong to this analysis?"
+        )
+    return own
+
+
+def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent) -> Any:
+    """Return the label of the row of an event."""
+    own = own_events(events, edit)
+    near = (own["event"] == edit.event) & ((own["time_s"] - edit.time_s).abs() < _CLOSE_S)
+    if not near.any():
+        raise InputError(
+            f"trial {edit.trial!r}: {edit.leg} has no {edit.event} at {edit.time_s:.4f} s; the "
+            "events were found anew since it was corrected, or it is deleted."
+        )
+    return own.index[near.to_numpy()][0]
+
+
+def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.DataFrame:
+    """Return the events with one more, in its place among those of its leg."""
+    own = own_events(events, edit)
+    known = ", ".join(dict.fromkeys(own["event"]))
+    if edit.event not in set(own["event"]):
+        raise InputError(
+            f"trial {edit.trial!r}: {edit.leg} has no events {edit.event!r}; expected {known}."
+        )
+    same = own["event"].isin(_pair_of(edit.event)) & (
+        (own["time_s"] - edit.time_s).abs() < _CLOSE_S
+    )
+    begin, end = _recorded(tables, edit, events)
+    if same.any() or not begin <= edit.time_s <= end:
+        why = "there is one already" if same.any() else f"expected {begin:.4f} to {end:.4f} s"
+        raise InputError(
+            f"trial {edit.trial!r}: no {edit.event} of {edit.leg} can be added at "
+            f"{edit.time_s:.4f} s; {why}."
+        )
+    row = own.iloc[[0]].copy()
+    told: dict[str, Any] = {"event": edit.event, "time_s": edit.time_s, "method": HAND,
+            "frame": _frame_at(own, edit.time_s),
+            "position": _position_at(tables, edit, edit.time_s)}  # fmt: skip
+    for name in row:
+        if name in told:
+            row[name] = told[name]
+        elif name not in ("animal", "trial", "leg"):
+            row[name] = np.nan
+    earlier = own.index[own["time_s"].to_numpy(float) <= edit.time_s]
+    beside = earlier[-1] if len(earlier) else own.index[0]
+    place = int(np.flatnonzero(events.index == beside)[0]) + bool(len(earlier))
+    row.index = [events.index.max() + 1]
+    return pd.concat([events.iloc[:place], row, events.iloc[place:]])
+
+
+def _pair_of(event: str) -> tuple[str, str]:
+    """Return the kinds of events that take turns with one of them."""
+    return ("AEP", "PEP") if event in ("AEP", "PEP") else ("TD", "LO")
+
+
+def _recorded(tables: GaitTables, edit: AddEvent, events: pd.DataFrame) -> tuple[float, float]:
+    """Return the first and the last second of a recording, by its signals or else its events."""
+    whole = [
+        one.time_s for one in tables.signals if (one.animal, one.trial) == (edit.animal, edit.trial)
+    ]
+    if not whole:
+        of_trial = (events["animal"] == edit.animal) & (events["trial"] == edit.trial)
+        whole = [events.loc[of_trial, "time_s"].to_numpy(float)]
+    return min(float(t.min()) for t in whole), max(float(t.max()) for t in whole)
+
+
+def move_event(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.DataFrame:
+    """Return the events with one of them moved between its neighbours."""
+    label, own = find_event(events, edit), own_events(events, edit)
+    others = own.loc[
+        own["event"].isin(_pair_of(edit.event)) & (own.index != label), "time_s"
+    ].to_numpy(float)
+    before = others[others <= edit.time_s].max(initial=-math.inf)
+    after = others[others > edit.time_s].min(initial=math.inf)
+    if not before < edit.to_s < after:
+        raise InputError(
+            f"trial {edit.trial!r}: {edit.event} of {edit.leg} cannot go to {edit.to_s:.4f} s; "
+            f"expected a time between its neighbours, {before:.4f} to {after:.4f} s."
+        )
+    events.loc[label, "frame"] = _frame_at(own, edit.to_s)
+    events.loc[label, "time_s"], events.loc[label, "method"] = edit.to_s, HAND
+    if "position" in events:
+        events.loc[label, "position"] = _position_at(tables, edit, edit.to_s)
+    order = own.index.to_numpy()
+    events.loc[order] = events.loc[order].sort_values("time_s", kind="stable").to_numpy()
+    return events
+
+
+def _frame_at(own: pd.DataFrame, time_s: float) -> float:
+    """Return the frame of a time, from the frames of the leg's other events."""
+    known = own.dropna(subset=["frame"])
+    if len(known) < 2:
+        return math.nan
+    rate, start = np.polyfit(known["time_s"].to_numpy(float), known["frame"].to_numpy(float), 1)
+    return float(start + rate * time_s)
+
+
+def _position_at(tables: GaitTables, edit: MoveEvent | AddEvent, time_s: float) -> float:
+    """Return where the foot was at a time, along forward; NaN where not known."""
+    for one in tables.signals:
+        same = (one.animal, one.trial, one.signal) == (edit.animal, edit.trial, POSITION)
+        if same and edit.leg in one.legs:
+            column = one.samples[:, one.legs.index(edit.leg)]
+            return float(np.interp(time_s, one.time_s, column))
+    return math.nan
+
+
+def exclude_stride(
+    events: pd.DataFrame,
+    edit: ExcludeStride,
+    tables: GaitTables,
+    before: Sequence[tuple[str, str, str, float, str]],
+) -> tuple[str, str, str, float, str]:
+    """Return animal, trial, leg, the middle of the stride that shall not count, and why."""
+    if not edit.reason.strip():
+        raise InputError("a stride is excluded for a reason; say why.")
+    own = own_events(events, edit)
+    trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
+    start = choose_stride_event(trial, tables.settings.stride_events)
+    times = own.loc[own["event"] == start, "time_s"].to_numpy(float)
+    at = np.flatnonzero(np.abs(times - edit.start_s) < _CLOSE_S)
+    if not len(at) or at[0] + 1 == len(times):
+        raise InputError(
+            f"trial {edit.trial!r}: no stride of {edit.leg} begins at {edit.start_s:.4f} s."
+        )
+    middle = float(times[at[0]] + times[at[0] + 1]) / 2.0
+    row = (edit.animal, edit.trial, edit.leg, middle)
+    if any(row[:3] == other[:3] and abs(middle - other[3]) < _CLOSE_S for other in before):
+        raise InputError(f"the stride of {edit.leg} at {edit.start_s:.4f} s is excluded already.")
+    return (*row, f"excluded by hand: {edit.reason.strip()}")
