@@ -20,7 +20,7 @@ from pawnb.core.paws.tracker import trackers
 EVIDENCE = (
     ("measured", r"[Mm]easured"),
     ("set by hand", r"[Ss]et by hand|not tuned"),
-    ("cited or mathematics", r"\b(?:19|20)\d\d\b|OpenCV|[Mm]athematics"),
+    ("cited or mathematics", r"\b(?:19|20)\d\d\b|OpenCV|[Mm]athematics|definition"),
 )
 """What a text says of its parameter, in the order in which it is looked for."""
 

@@ -25,6 +25,9 @@ from pawnb.core.paws.offline.stride.parameters import STRIDE, StrideParameters
 from pawnb.core.paws.tracker import trackers
 from pawnb.errors import InputError
 
+EVIDENCE = re.compile(
+    r"[Mm]easured|set\s+by\s+hand|[Mm]athematics|definition|(19|20)\d\d|OpenCV", re.I
+)
 EVERY = [(t, stage) for k in ("paws", "pose") for t in trackers(k).values() for stage in t.stages]
 
 
@@ -64,8 +67,9 @@ def test_every_parameter_is_recorded_and_has_its_words(tracker, stage):
     recorded = parameters_of(tracker.stages)[stage]
     own = type(defaults_of(stage))
     assert set(recorded) == {field.name for field in dataclasses.fields(own)}
-    named = re.findall(r"^(\w[\w, ]*) : ", inspect.getdoc(own), re.M)
-    assert {name for line in named for name in line.split(", ")} == set(recorded)
+    blocks = re.findall(r"^(\w[\w, ]*) : .*\n((?: +\S.*\n?|\n)*)", inspect.getdoc(own), re.M)
+    assert {name for names, _ in blocks for name in names.split(", ")} == set(recorded)
+    assert [names for names, words in blocks if not EVIDENCE.search(words)] == []
 
 
 def test_constants_are_those_that_the_modules_assign():

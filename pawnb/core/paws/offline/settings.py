@@ -26,7 +26,8 @@ class OfflineSettings:
 
     Nothing here is in pixels: sizes come from the clicks. The *span* is the largest
     distance between two points clicked in one frame, about the distance of front
-    from hind paws; a *paw width* is that of a paw's picture at the clicks.
+    from hind paws; a *paw width* is that of a paw's picture at the clicks. The values were set by
+    hand.
 
     Parameters
     ----------

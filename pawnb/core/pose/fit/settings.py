@@ -11,6 +11,8 @@ from pawnb.schema import check_ranges
 class PoseSettings:
     """What can be set of ``method="pawnb"``; lengths in working pixels (see ``working_span_px``).
 
+    The values were set by hand.
+
     Parameters
     ----------
     working_span_px : float

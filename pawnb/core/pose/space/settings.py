@@ -11,6 +11,8 @@ from pawnb.schema import check_ranges
 class SpaceSettings:
     """What is known of an animal in space; lengths as shares of its leg span.
 
+    The values were set by hand.
+
     Parameters
     ----------
     across_share, tip_along_share, joint_along_share : float

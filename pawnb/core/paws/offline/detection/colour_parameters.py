@@ -97,8 +97,8 @@ class ColourParameters:
     looked_at : int
         Ends in one picture that are looked at closely. Set by hand.
     least_change : float
-        Means that change by less are left alone: those of parts that follow the animal change by up
-        to 0.06 as it moves, in steady light. Set by hand.
+        Means that change by less are left alone. Measured: those of parts that follow the animal
+        change by up to 0.06 as it moves, in steady light. The limit above that was set by hand.
     most_change : float
         Light is not thought to change by a larger factor: then other things are to be seen. Set by
         hand.

@@ -54,7 +54,8 @@ class LandmarkParameters:
     tracks_jerk : float
         Change of acceleration from frame to frame at 200 frames/s, in patches. Set by hand.
     rate_hz : float
-        Frame rate that the change of acceleration is given for: a unit, not a choice.
+        Frame rate that the change of acceleration is given for: a unit, not a choice, by
+        definition.
     tracks_tail : float
         Residuals beyond this many standard deviations count less and less. Set by hand.
     by_hand : float

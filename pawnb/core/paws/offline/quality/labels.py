@@ -17,29 +17,32 @@ class QualityLimits:
     Parameters
     ----------
     good, failed : float
-        Shares of labels that are expected to be right: ``good`` from the one on, ``failed``
-        below the other, between them ``look``.
+        Shares of labels that are expected to be right: ``good`` from the one on, ``failed`` below
+        the other, between them ``look``. Set by hand.
     right : float
-        Labels this near to the truth are right, in body sizes: half a paw.
+        Labels this near to the truth are right, in body sizes: half a paw. Measured: half a paw is
+        0.035 to 0.1 of it in seven real clips with marks (horse, camel, dog, mice, fly), this in
+        the middle.
     bridged_s : float
-        Labels further than this from the next frame in which the point was found are not
-        to be believed, s: a stance of a walking animal lasts a few tenths of a second, and what
-        a paw did in a step that nobody saw is not known.
+        Labels further than this from the next frame in which the point was found are not to be
+        believed, s: a stance of a walking animal lasts a few tenths of a second, and what a paw did
+        in a step that nobody saw is not known. Set by hand.
     beyond : float
-        No point of an animal is further from the middle of the others, in body sizes; an
-        animal may come nearer to the camera.
+        No point of an animal is further from the middle of the others, in body sizes; an animal may
+        come nearer to the camera. Set by hand.
     leap : float
-        No point moves so far in one frame, in body sizes: a leg tip of a fly at 100 frames per
-        second moves 0.25, a horse's hoof at 24 frames per second 0.3.
+        No point moves so far in one frame, in body sizes. Measured: a leg tip of a fly at 100
+        frames per second moves 0.25, a horse's hoof at 24 frames per second 0.3; twice that was set
+        by hand.
     beside : float
-        Points nearer than this, in body sizes, lie on one place.
+        Points nearer than this, in body sizes, lie on one place. Set by hand.
     beside_s : float
-        Paws that pass each other part again within this time, s.
+        Paws that pass each other part again within this time, s. Set by hand.
     beside_in_space, beside_in_space_s : float
-        In space they part within less: in truth, two paws of nine rendered scenes (two renderers)
-        were nearer than 0.12 body sizes for 0.044 s at most, a front paw and the hind paw that
-        lands beside it. No pair counts as one place at more than half the distance at which both
-        were clicked.
+        In space they part within less. Measured: in truth, two paws of nine rendered scenes (two
+        renderers) were nearer than 0.12 body sizes for 0.044 s at most, a front paw and the hind
+        paw that lands beside it. No pair counts as one place at more than half the distance at
+        which both were clicked.
     """
 
     good: float = 0.9

@@ -90,11 +90,11 @@ class StrideParameters:
         Squared standard deviations beyond which a speed backwards costs no more. Set by hand.
     swing_shape, swing_shape_sd : tuple of float
         Exponents a and b of a swing's height before any swing is seen, and their standard
-        deviations. Set by hand; measured: front paws of mice are highest early on a belt, but late
-        where they reach out (a of 2 to 3 in the LocoMouse data).
+        deviations. Set by hand after what was measured: front paws of mice are highest early on a
+        belt, but late where they reach out (a of 2 to 3 in the LocoMouse data).
     landing_speed, landing_speed_sd : float
-        Speed at landing in the mean speed of the swing, and its standard deviation. Set by hand;
-        measured: LocoMouse's mice land with 0.3 to 0.55.
+        Speed at landing in the mean speed of the swing, and its standard deviation. Set by hand
+        after what was measured: LocoMouse's mice land with 0.3 to 0.55.
     swing_height_sd : float
         Standard deviation of heights, in their median. Set by hand.
     swing_shortest : float

@@ -21,7 +21,7 @@ class SequenceParameters:
         Set by hand.
     final_fit_gain : float
         A frame is fitted again where the cost of one of its legs is expected to fall by this, which
-        is that of one standard deviation. Set by hand.
+        is that of one standard deviation (mathematics: half its square).
     final_fit_rounds : int
         Steps of each of these fits: they begin close to their end. Set by hand.
     final_fit_first_rounds, final_fit_enough : int or float

@@ -24,9 +24,9 @@ class NetworkFlowParameters:
     body_clutter_share : float
         Share of its frames in which a tracklet must stay. Set by hand.
     aside_sd : float
-        Standard deviation, in spans, of how far to the side of its click a paw is later: it wanders
-        by 0.02 to 0.08 itself, and detections of two views of one side that lie half a paw width
-        off are as much off in depth. Set by hand.
+        Standard deviation, in spans, of how far to the side of its click a paw is later. Measured:
+        it wanders by 0.02 to 0.08 itself; and detections of two views of one side that lie half a
+        paw width off are as much off in depth. Set by hand above that.
     contralateral_farthest : float
         Squared standard deviations beyond which it costs no more: that is the other paw. Half of it
         is less than being occluded costs in a frame, as all that tells where a point usually is
@@ -81,9 +81,9 @@ class NetworkFlowParameters:
         occluded paw is bridged, and one that follows another's is wrong. Set by hand.
     hopped : float
         Cost of a place to which no swing leads, in that of being occluded: less, so that it is kept
-        where no other point wants it. Of 1000 visible labels of a film in H.264 of crf 28 (half
-        scale, seed 33) 74 are wrong without it and 7 with 0.3; of one in grey 11 without it and
-        with 0.3, 15 with 1.
+        where no other point wants it. Measured: of 1000 visible labels of a film in H.264 of crf 28
+        (half scale, seed 33) 74 are wrong without it and 7 with 0.3; of one in grey 11 without it
+        and with 0.3, 15 with 1.
     tracklet_association_good : float
         Largest cost of a place that tells about it. Set by hand.
     tracklet_association_dearest, tracklet_association_worse : tuple[float, ...] or float
