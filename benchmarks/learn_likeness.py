@@ -31,11 +31,11 @@ from pawnb.core.paws.layout import make_layout, read_start
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import (
-    CURVES,
     AppearanceLikelihood,
     measures,
     score_at_clicks,
 )
+from pawnb.core.paws.offline.detection.colour.likelihood import curves as own_curves
 from pawnb.core.paws.offline.detection.colour.scan import scan_video
 from pawnb.core.paws.offline.scene.treadmill import read_scene
 from pawnb.core.paws.offline.settings import OfflineSettings
@@ -50,6 +50,8 @@ REFERENCE_WIDTH_PX = 2048
 VISIBLE_FROM = 0.3
 PAW, NO_PAW = 0.6, 1.2
 """Shares of the limit of a wrong label."""
+CURVES = own_curves()
+"""Those of the package: their knots stay."""
 EVERY = 3
 """Frames are alike: every third is enough."""
 RIDGE = 1.0

@@ -13,6 +13,7 @@ import dataclasses
 import functools
 import importlib
 import inspect
+import itertools
 import pkgutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextvars import ContextVar
@@ -173,6 +174,60 @@ def constants_of(package: str) -> dict[str, dict[str, Any]]:
         }
         if own:
             found[info.name.removeprefix(f"{package}.")] = own
+    return found
+
+
+REASONS = ("Definition", "Mathematics", "Layout", "Numerics", "Guard", "Resource")
+"""Why a number beside the parameters is no parameter: the first word of what stands below it.
+
+A convention or a table's kinds; what follows from a formula; how something is laid out; how exactly
+it is solved; what keeps a logarithm or a division finite; how much time or memory is taken."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Reason:
+    """Why a named number is no parameter.
+
+    Parameters
+    ----------
+    module : str
+        Where it stands, from the package on.
+    names : tuple of str
+        Its name, or names that share a reason.
+    kind, text : str
+        The reason: one of :data:`REASONS`, and in words.
+    """
+
+    module: str
+    names: tuple[str, ...]
+    kind: str
+    text: str
+
+
+def reasons_of(package: str) -> list[Reason]:
+    """Return why the named numbers of :func:`constants_of` are no parameters of a stage.
+
+    Parameters
+    ----------
+    package : str
+        Its full name.
+
+    Returns
+    -------
+    list of Reason
+        In the order of modules; kind and text are empty where nothing is said.
+    """
+    found = []
+    for module, values in constants_of(package).items():
+        body = ast.parse(inspect.getsource(importlib.import_module(f"{package}.{module}"))).body
+        for node, after in itertools.zip_longest(body, body[1:]):
+            names = tuple(name for name in _assigned(ast.unparse(node)) if name in values)
+            if names:
+                said = ""
+                if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+                    said = " ".join(str(after.value.value).split())
+                kind, _, text = said.partition(": ")
+                found.append(Reason(module, names, kind if text else "", text or said))
     return found
 
 

@@ -13,11 +13,13 @@ import pytest
 import pawnb
 from pawnb.core.parallel import Threads
 from pawnb.core.parameters import (
+    REASONS,
     constants_of,
     defaults_of,
     parameters_of,
     parameters_set,
     read_parameters,
+    reasons_of,
 )
 from pawnb.core.paws.offline.stride.parameters import STRIDE, StrideParameters
 from pawnb.core.paws.tracker import trackers
@@ -72,39 +74,97 @@ def test_constants_are_those_that_the_modules_assign():
     assert found == {"_H": 0.05, "_H_SHAPE": 0.02}
 
 
-ROOMS = (
-    "detection/colour", "stride", "association/network_flow", "gap_closing", "smoothing",
-    "landmarks", "treadmill",
-)  # fmt: skip
+CORE = Path(pawnb.core.__path__[0])
+ROOMS = (CORE / "paws" / "offline", CORE / "pose" / "fit", CORE / "pose" / "space")
+"""What the default trackers are made of."""
 
 
-def named_numbers(path):
-    """Yield names in capitals of a module whose values hold numbers, and what follows each."""
-    body = ast.parse(path.read_text(encoding="utf-8")).body
-    for node, after in zip(body, [*body[1:], None], strict=True):
-        if not isinstance(node, ast.Assign):
-            continue
-        names = [n.id for n in ast.walk(node.targets[0]) if isinstance(n, ast.Name)]
-        values = [n.value for n in ast.walk(node.value) if isinstance(n, ast.Constant)]
-        if all(n.lstrip("_").isupper() for n in names) and any(
-            isinstance(v, int | float) and not isinstance(v, bool) for v in values
-        ):
-            yield names, after
+def modules():
+    """Yield the files of the default trackers that hold no parameters, and their code."""
+    for path in sorted(path for room in ROOMS for path in room.rglob("*.py")):
+        if not path.name.endswith(("parameters.py", "settings.py")):
+            yield path, ast.parse(path.read_text("utf-8"))
 
 
-def test_a_named_number_beside_the_parameters_says_what_it_is():
-    """What a loop is compiled with, or how something is laid out, stays in its module."""
-    core = Path(pawnb.core.__path__[0])
-    rooms = [core / "paws" / "offline" / room for room in ROOMS] + [core / "pose" / "fit"]
-    found = {path: list(named_numbers(path)) for room in rooms for path in room.rglob("*.py")}
-    bare = [
-        (path.name, names)
-        for path, own in found.items()
-        for names, after in own
-        if not (isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant))
+@pytest.mark.slow
+def test_a_named_number_beside_the_parameters_says_why_it_is_none():
+    """Every other one is a parameter of its stage: ``pawnb.core.parameters.reasons_of``."""
+    found = [
+        reason
+        for package in ("paws.offline", "pose.fit", "pose.space")
+        for reason in reasons_of(f"pawnb.core.{package}")
     ]
-    assert bare == []
-    assert sum(map(len, found.values())) > 15
+    assert [one for one in found if one.kind not in REASONS] == []
+    assert len(found) > 40
+
+
+UNITS = {100, 255, 256, 180, 360, 90}
+"""Per cent, grey values of a byte, degrees."""
+PLAIN = {0, 1, 2, 3, 4, -1, -2, 0.5} | UNITS
+BARE = {
+    "links.py": ({12}, "variance of the slope of a line"),
+    "classifier.py": ({6}, "first weights of Glorot & Bengio 2010"),
+    "colour_quantisation.py": ({8}, "half the steps of a channel"),
+    "detector_kernels.py": ({6, 9}, "padding of the filter of seven; mean of nine"),
+    "paw_width.py": ({5}, "OpenCV's mask of its distance transform"),
+    "scan.py": ({8}, "rounding up to a multiple of eight"),
+    "swing_trajectory.py": ({6}, "unknowns of an arc"),
+    "trajectory_kernels.py": ({6, 7, 10, 15}, "polynomials of Flash & Hogan 1985"),
+    "body_equations.py": ({5}, "unknowns of a part"),
+    "paint_kernels.py": ({0.25, 0.75, 64}, "the parabolic kernel; bits of a segment's number"),
+    "picture_kernels.py": ({6, 9}, "coordinates of two and of three joints"),
+}
+"""What else stands in function bodies, and what it is: nothing that could be chosen otherwise."""
+SHAPES = {
+    "zeros", "empty", "ones", "full", "eye", "reshape", "range", "arange", "tile", "repeat",
+}  # fmt: skip
+"""Calls whose plain arguments say how something is laid out."""
+BITS = (ast.LShift, ast.RShift, ast.BitAnd, ast.Mod, ast.FloorDiv)
+
+
+def bare_numbers(node):
+    """Yield numbers of an expression but for indices, sizes of arrays, bits and guards."""
+    parts = list(ast.iter_child_nodes(node))
+    if isinstance(node, ast.Subscript):
+        parts = [node.value]
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, BITS):
+        parts = [node.left]
+    elif isinstance(node, ast.Call):
+        called = getattr(node.func, "attr", getattr(node.func, "id", ""))
+        if called in SHAPES:
+            parts = [x for x in parts if not isinstance(x, ast.Constant | ast.Tuple)]
+    elif (
+        isinstance(node, ast.Constant) and type(node.value) in (int, float)
+        and node.value not in PLAIN and not 0 < abs(node.value) <= 1e-6
+    ):  # fmt: skip
+        yield node.value
+    for part in parts:
+        yield from bare_numbers(part)
+
+
+@pytest.mark.slow
+def test_no_function_of_the_default_trackers_holds_a_bare_tunable():
+    """Whoever has to choose a number gives it a name, a unit and evidence."""
+    found = set()
+    for path, code in modules():
+        for node in ast.walk(code):
+            if isinstance(node, ast.FunctionDef):
+                defaults = [x for x in (*node.args.defaults, *node.args.kw_defaults) if x]
+                known, _ = BARE.get(path.name, ((), ""))
+                found |= {
+                    (path.name, node.name, number)
+                    for part in (*node.body, *defaults)
+                    for number in bare_numbers(part)
+                    if number not in known
+                }
+    assert found == set()
+
+
+@pytest.mark.slow
+def test_threads_of_the_trackers_have_the_values_that_are_in_force():
+    """A plain ThreadPoolExecutor would work with the defaults whatever is set."""
+    plain = [p.name for p, code in modules() if "ThreadPoolExecutor" in ast.dump(code)]
+    assert plain == []
 
 
 def parameter_objects():
@@ -130,21 +190,32 @@ def test_parameters_are_read_when_they_are_needed_and_none_is_idle():
     """As a default argument one would be what it is by default, whatever is set."""
     objects = dict(parameter_objects())
     assert set(objects.values()) == {stage for _, stage in EVERY}
-    found = {
-        (path.name, *read)
-        for path in Path(pawnb.core.__path__[0]).rglob("*.py")
-        for read in reads(ast.parse(path.read_text("utf-8")), objects)
+    code = {path: ast.parse(path.read_text("utf-8")) for path in CORE.rglob("*.py")}
+    found = {(path.name, *read) for path, one in code.items() for read in reads(one, objects)}
+    attributes = {
+        path: {node.attr for node in ast.walk(one) if isinstance(node, ast.Attribute)}
+        for path, one in code.items()
     }
     assert {read for read in found if not read[1]} == set()
     by_name = {(objects[name], attribute) for _, _, name, attribute in found}
+    # some are handed on whole, as :func:`parameters_in_force` and :class:`MHTParameters` have them
+    anywhere = {name for names in attributes.values() for name in names}
+    by_name |= {(stage, name) for stage in HANDED_ON for name in anywhere}
+    by_name |= {("gap_closing", f"mht_{name}") for name in anywhere}
     every = {
         (stage, field.name)
         for _, stage in EVERY
-        # the others are handed on whole, as :func:`parameters_in_force` has them
-        if stage in objects.values() and stage not in HANDED_ON
         for field in dataclasses.fields(type(defaults_of(stage)))
     }
-    assert {one for one in every - by_name if not one[1].startswith("mht_")} == set()
+    assert every - by_name == set()
 
 
-HANDED_ON = ("scene", "motion", "correlation", "appearance", "association", "identity")
+HANDED_ON = (
+    "scene",
+    "motion",
+    "correlation",
+    "appearance",
+    "association",
+    "identity",
+    "quality_limits",
+)

@@ -190,7 +190,8 @@ class OfflineTracker:
     stages: tuple[str, ...] = (
         "colour", "movement", "network_flow", "stride", "gap_closing", "smoothing", "landmarks",
         "treadmill", "scene", "motion", "correlation", "appearance", "association", "identity",
-        "registration", "data_association", "learnt_detection", "predictions", "run",
+        "registration", "data_association", "learnt_detection", "predictions", "quality",
+        "quality_limits", "run",
     )  # fmt: skip
     packages: tuple[str, ...] = ("pawnb.core.paws.offline",)
 

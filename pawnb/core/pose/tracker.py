@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import pawnb.core.pose.space.parameters  # noqa: F401  (its stage is known from here on)
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
@@ -121,11 +122,11 @@ class PoseTracker:
 POSE_TRACKERS = (
     PoseTracker(
         "pawnb", PoseSettings, track_pose, is_offline=True,
-        stages=("fitting", "rendering", "candidates", "learning", "sequence"),
+        stages=("fitting", "rendering", "candidates", "learning", "sequence", "space_fit"),
         packages=("pawnb.core.pose.fit", "pawnb.core.pose.space"),
     ),
     PoseTracker(
-        "paper", Pullar2009Settings, track_pullar2009, is_offline=False, stages=(),
+        "paper", Pullar2009Settings, track_pullar2009, is_offline=False, stages=("space_fit",),
         packages=("pawnb.core.pose.pullar2009", "pawnb.core.pose.space"),
     ),
 )  # fmt: skip

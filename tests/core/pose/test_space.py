@@ -181,9 +181,9 @@ def test_equations_are_solved_leg_by_leg_as_in_one():
 
 
 def test_a_foot_is_on_the_ground_or_lifted_and_nothing_is_below():
-    assert ground_cost(-3.0, True) == ground_cost(-3.0, False) == 4.5
-    assert ground_cost(3.0, False) == 0.0
-    assert ground_cost(50.0, True) == pytest.approx(2.0, rel=0.01)  # half the square of 2
+    assert ground_cost(-3.0, True, 2.0) == ground_cost(-3.0, False, 2.0) == 4.5
+    assert ground_cost(3.0, False, 2.0) == 0.0
+    assert ground_cost(50.0, True, 2.0) == pytest.approx(2.0, rel=0.01)  # half the square of 2
 
 
 def test_an_animal_that_the_second_view_cannot_show_is_told():

@@ -20,6 +20,7 @@ LEARNT_IN = "learnt_in"
 """Attribute of tracks: for each view the frames that were learnt from, and how far correlation was
 trusted, as JSON."""
 _DIGITS = 3
+"""Layout: digits of what is written of the run."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from pawnb.core.paws.offline.detection.evidence import Detections, installed_evi
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.output import write_tracks
-from pawnb.core.paws.offline.parameters import OfflineParameters, parameters_in_force
+from pawnb.core.paws.offline.parameters import RUN, OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track, run_pipeline, view_track
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, RunBefore, fits
 from pawnb.core.paws.offline.reuse.retracking import (
@@ -33,7 +33,6 @@ from pawnb.core.paws.offline.treadmill.annotations import read_placements
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.paws.offline.windows import (
-    MOST_ROWS,
     chance_to_go_on,
     handed_on,
     take_over,
@@ -161,7 +160,7 @@ def _run_before(
 ) -> RunBefore | None:
     """Return the last run, if clicks were only added since, within the pictures that are kept."""
     before = stacks.run_before(_asked(layout, task, parameters))
-    if before is None or task.frames[1] - task.frames[0] > MOST_ROWS:
+    if before is None or task.frames[1] - task.frames[0] > RUN.window_rows:
         return None
     if after_clicks(before.tracks, before.starts[-1], start) is None:
         return None

@@ -14,19 +14,17 @@ from pawnb.core.paws.offline.association.in_space import (
     shared_places,
     surest_two,
 )
+from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.measures import CALIBRATED, largest_distance
+from pawnb.core.paws.offline.quality.parameters import LIMITS
 from pawnb.core.paws.offline.treadmill.output import keep_rows
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 
-SEEN = 0.5
-"""Probability from which a point counts as measured in a view."""
-LOST = 0.03
-"""Probability below which a point is missing: in 20 runs on five real clips 1 of 924 right marks
-has less, and 5 of 225 wrong ones."""
+_UNKNOWN_PX = 1e3
+"""Guard: standard deviation, px, of places of which none is known; it leaves them no weight."""
 
 
 def write_tracks(
@@ -54,8 +52,8 @@ def write_tracks(
     Tracks
         ``image_confidence`` is the probability that the label lies within about half a paw
         (:mod:`.calibration`); ``image_origin`` is ``measured`` where that is at least
-        :data:`SEEN`, ``reprojected`` where only other calibrated views saw the point,
-        ``missing`` where it is below :data:`LOST`, else ``predicted``.
+        ``RUN.seen``, ``reprojected`` where only other calibrated views saw the point,
+        ``missing`` where it is below ``RUN.lost``, else ``predicted``.
     """
     uv = np.stack([view.uv for view in found], axis=2)  # (n, P, V, 2)
     sd_px = np.stack([view.sd_px for view in found], axis=2)
@@ -72,17 +70,17 @@ def write_tracks(
     else:
         x, sd, residual = _in_space(uv, sd_px, chance, layout.rig.coefs)
         chance = np.where(by_hand, chance, chance * _one_place_each(x, chance)[..., None])
-    image_origin = np.where(chance >= SEEN, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    image_origin = np.where(chance >= RUN.seen, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
     if layout.rig is not None:
         shown = dlt.project(layout.rig.coefs, x)
-        others = (chance >= SEEN).sum(axis=2, keepdims=True) >= 2
-        fill = (chance < SEEN) & others & np.isfinite(shown[..., 0])
+        others = (chance >= RUN.seen).sum(axis=2, keepdims=True) >= 2
+        fill = (chance < RUN.seen) & others & np.isfinite(shown[..., 0])
         uv = np.where(fill[..., None], shown, uv)
         # no surer than the views that it is projected from
         second = surest_two(chance)[..., None]
-        chance = np.where(fill, np.maximum(chance, second * 0.9), chance)
+        chance = np.where(fill, np.maximum(chance, second * RUN.projected), chance)
         image_origin = np.where(fill, ORIGIN_CODE["reprojected"], image_origin)
-    lost = ~by_hand & ((chance < LOST) | ~np.isfinite(uv[..., 0]))
+    lost = ~by_hand & ((chance < RUN.lost) | ~np.isfinite(uv[..., 0]))
     image_origin = np.where(by_hand, ORIGIN_CODE["edited"], image_origin)
     image_origin = np.where(lost, ORIGIN_CODE["missing"], image_origin)
     uv = np.where(lost[..., None], np.nan, uv)
@@ -97,7 +95,7 @@ def _first_view(
     found = np.isfinite(uv[..., 0]).any(axis=0)
     view = np.argmax(found, axis=1)
     points = np.arange(uv.shape[1])
-    x = np.where((chance[:, points, view] >= LOST)[..., None], uv[:, points, view], np.nan)
+    x = np.where((chance[:, points, view] >= RUN.lost)[..., None], uv[:, points, view], np.nan)
     sd = np.repeat(sd_px[:, points, view][..., None], 2, axis=-1)
     return x, np.where(np.isfinite(x), sd, np.nan), np.full(x.shape[:2], np.nan)
 
@@ -110,14 +108,16 @@ def _in_space(
     There are none far beyond the body: there lines of sight cross of views that disagree.
     """
     rank = np.argsort(np.argsort(-chance, axis=2), axis=2)
-    used = ((chance >= SEEN) | (rank < 2)) & (chance >= LOST)
+    used = ((chance >= RUN.seen) | (rank < 2)) & (chance >= RUN.lost)
     result = dlt.triangulate(coefs, np.where(used[..., None], uv, np.nan), refine=True)
     J = Projection(coefs).jacobian(np.nan_to_num(result.xyz))
-    weight = np.where(used, 1 / np.maximum(np.nan_to_num(sd_px, nan=1e3), 0.3) ** 2, 0.0)
+    weight = np.where(
+        used, 1 / np.maximum(np.nan_to_num(sd_px, nan=_UNKNOWN_PX), RUN.least_sd_px) ** 2, 0.0
+    )
     information = np.einsum("npvki,npv,npvkj->npij", J, weight, J)
     variance = np.linalg.inv(information + 1e-12 * np.eye(3)).diagonal(axis1=-2, axis2=-1)
     sure = surest_two(chance)
-    astray = beyond_body(result.xyz, sure, sure=SEEN, gate=QualityLimits().beyond)
+    astray = beyond_body(result.xyz, sure, sure=RUN.seen, gate=LIMITS.beyond)
     astray &= sure < 1  # who has placed a point has seen to it
     x = np.where(astray[..., None], np.nan, result.xyz)
     sd = np.where(np.isfinite(x), np.sqrt(np.abs(variance)), np.nan)
@@ -128,7 +128,7 @@ def _one_place_each(x: np.ndarray, chance: np.ndarray) -> np.ndarray:
     """Return what is left of the chance of points (n, P) that share their place in space."""
     spans = np.array([largest_distance(here) for here in x])
     size = float(np.nanmedian(spans)) if np.isfinite(spans).any() else np.nan
-    return shared_places(x, surest_two(chance), QualityLimits().beside * size)
+    return shared_places(x, surest_two(chance), LIMITS.beside * size)
 
 
 def _as_tracks(

@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.core import dlt
 
 _SAME = np.array([[1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]]).T
+"""Mathematics: a view that shows the plane as it is."""
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.learnt_run import goes_on, track_learnt
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.quality.assessment import Quality, assess, share_on_one_place
-from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.likeness import add_likeness
+from pawnb.core.paws.offline.quality.parameters import LIMITS
 from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
@@ -73,7 +73,7 @@ def track_offline(
     """
     given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
     n = task.frames[1] - task.frames[0]
-    enough = QualityLimits().good if n >= RUN.colour_long else RUN.colour_poor
+    enough = LIMITS.good if n >= RUN.colour_long else RUN.colour_poor
     best: tuple[Quality, Tracks] | None = None
     ways = _ways(views, start, task, settings=settings, looked=looked)
     if stacks is not None and looked is None and goes_on(views, start, task, stacks=stacks):

@@ -10,9 +10,6 @@ from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
 
-MOST_ROWS = 1000
-"""Rows that are tracked at once: 2 GB for four points in a view."""
-
 
 def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
     """Return windows that cover n rows, in the order in which they are tracked.
@@ -30,11 +27,11 @@ def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
         Half-open ranges: first the one with the most clicks, then those after it, then those
         before it, each overlapping its neighbour.
     """
-    if n <= MOST_ROWS:
+    if n <= RUN.window_rows:
         return [(0, n)]
-    count = int(np.ceil((n - RUN.window_overlap) / (MOST_ROWS - RUN.window_overlap)))
-    begins = np.linspace(0, n - MOST_ROWS, count).round().astype(int)
-    spans = [(int(b), int(b) + MOST_ROWS) for b in begins]
+    count = int(np.ceil((n - RUN.window_overlap) / (RUN.window_rows - RUN.window_overlap)))
+    begins = np.linspace(0, n - RUN.window_rows, count).round().astype(int)
+    spans = [(int(b), int(b) + RUN.window_rows) for b in begins]
     held = [sum(b <= row < e for row in clicked) for b, e in spans]
     best = int(np.argmax(held))
     return spans[best:] + spans[:best][::-1]

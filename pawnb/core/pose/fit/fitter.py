@@ -28,7 +28,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 from pawnb.core.pose.fit.settings import PoseSettings
 
 SQRT5 = float(np.sqrt(5.0))
-"""Half width of the blur that is painted, in its standard deviation."""
+"""Mathematics: half width of the parabolic blur that is painted, in its standard deviations."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -172,7 +172,7 @@ class FrameFitter:
         active: IntArray | None = None,
         shown: BoolArray | None = None,
         blur: float | None = None,
-        rounds: int = 6,
+        rounds: int | None = None,
         enough: float | None = None,
     ) -> tuple[FloatArray, float]:
         """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`.
@@ -191,8 +191,8 @@ class FrameFitter:
             Legs, and last the body, that are painted; default all.
         blur : float, optional
             Blur of the picture, working px; default that of the fitter.
-        rounds : int
-            Steps at most.
+        rounds : int, optional
+            Steps at most; default :attr:`.FittingParameters.rounds`.
         enough : float
             A step that gains less ends the fit.
 
@@ -206,7 +206,8 @@ class FrameFitter:
             self.index.everything if active is None else active,
             self.index.all_shown if shown is None else shown,
             self.blur if blur is None else blur,
-            self.settings.soft_error, rounds, FITTING.fitter_enough if enough is None else enough,
+            self.settings.soft_error, FITTING.rounds if rounds is None else rounds,
+            FITTING.fitter_enough if enough is None else enough,
             *self.canvas(image_evidence),
         )  # fmt: skip
 

@@ -21,7 +21,9 @@ from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.poses import Poses
 
 N_BODY = 3
-"""Numbers of the pose vector before the legs: x, y, heading."""
+"""Layout: numbers of the pose vector before the legs: x, y, heading."""
+_SHORTEST = 1e-3
+"""Guard: segments are no shorter, of their length or px, as their logarithm is taken."""
 
 
 class Layout(NamedTuple):
@@ -193,7 +195,7 @@ def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> Float
         seen = np.stack(
             [poses.lengths_px[:, of_leg][:, link == k].sum(axis=1) for k in range(n)], axis=1
         )
-        parts.append(np.log(np.maximum(seen, 1e-3 * whole) / whole))
+        parts.append(np.log(np.maximum(seen, _SHORTEST * whole) / whole))
         joint, segment = joint + n, segment + len(link)
     return np.concatenate(parts, axis=1)
 
@@ -225,7 +227,7 @@ def leg_numbers(layout: Layout, leg: int, joints: FloatArray, *, heading: float)
     direction = np.arctan2(steps[:, 1], steps[:, 0])
     forwards = np.pi / 2 - layout.side[leg] * (direction - heading) - np.angle(flat)
     turns = (np.diff(forwards, prepend=0.0) + np.pi) % (2 * np.pi) - np.pi
-    return np.concatenate([turns, np.log(np.maximum(np.hypot(*steps.T), 1e-3) / np.abs(flat))])
+    return np.concatenate([turns, np.log(np.maximum(np.hypot(*steps.T), _SHORTEST) / np.abs(flat))])
 
 
 def poses_of_vectors(

@@ -17,7 +17,7 @@ from pawnb.core.video.views import Frame
 Box = tuple[int, int, int, int]
 """u0, v0, u1, v1 of a crop, half open, working px."""
 _SUBPIXEL = 4
-"""Bits of places between pixels."""
+"""Layout: bits of places between pixels, as OpenCV draws them."""
 
 
 def crop_box(fitter: FrameFitter, expected: FloatArray) -> Box:

@@ -10,7 +10,7 @@ from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.steps import Steps
 
 _TELL_S = 0.3
-"""Time, s, after which it is reported how far the other thread is."""
+"""Resource: time, s, after which it is reported how far the other thread is."""
 
 _T = TypeVar("_T")
 

@@ -55,6 +55,10 @@ class FittingParameters:
     tracker_sure, tracker_doubtful : float
         Support of a leg's outer third from which it is sure, and below which it is not there. Set
         by hand.
+    light_percentile : float
+        How light a light animal is: a percentile of that square. Set by hand.
+    rounds : int
+        Steps of a fit at most, where nothing else is said. Set by hand.
     """
 
     cover_px: float = 7.0
@@ -79,6 +83,8 @@ class FittingParameters:
     on_animal: float = 0.5
     tracker_sure: float = 0.85
     tracker_doubtful: float = 0.35
+    light_percentile: float = 75.0
+    rounds: int = 6
 
 
 FITTING = in_force("fitting", FittingParameters())

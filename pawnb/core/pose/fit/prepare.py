@@ -102,4 +102,8 @@ def _animal_light(
         )
     image = grey(frame.crop(u0, v0, u1, v1), np.float64)
     empty = np.asarray(background.mean)[v0:v1, u0:u1]
-    return float(np.percentile(image, 75)) if np.median(image - empty) > 0 else 0.0
+    return (
+        float(np.percentile(image, FITTING.light_percentile))
+        if np.median(image - empty) > 0
+        else 0.0
+    )

@@ -9,7 +9,7 @@ from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.video.views import Frame, ViewReader
 
 _AHEAD = 4
-"""Frames that are decoded before they are asked for."""
+"""Resource: frames that are decoded before they are asked for."""
 
 
 class WaysReader:

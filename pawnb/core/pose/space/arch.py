@@ -11,9 +11,10 @@ import numpy as np
 from pawnb.arrays import FloatArray
 
 _STEPS = 40
+"""Numerics: halvings of an interval, to one part in 1e12."""
 _FLATTEST = 0.02
-"""Least half angle of an arc, radians: a leg that is stretched beyond its length lies nearly
-straight."""
+"""Numerics: least half angle of an arc, radians: a leg that is stretched beyond its length lies
+nearly straight."""
 
 
 def arch_angle(chord_share: float) -> float:

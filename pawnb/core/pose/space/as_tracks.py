@@ -6,13 +6,11 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import by_point, point_names, tracks_from_poses
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.rig import Rig
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
-
-_SHOWN = 0.5
-"""Least share of a leg's line that the second view must show for its heights to be measured."""
 
 
 def tracks_in_space(
@@ -70,7 +68,7 @@ def tracks_in_space(
     position = by_point(animal, space.body, space.joints)
     known = np.isfinite(position).all(axis=1)
     first = flat["origin"].to_numpy()[..., 0]
-    second = np.where(support < _SHOWN, ORIGIN_CODE["predicted"], ORIGIN_CODE["measured"])
+    second = np.where(support < IN_SPACE.shown, ORIGIN_CODE["predicted"], ORIGIN_CODE["measured"])
     both = np.where(first == ORIGIN_CODE["measured"], second, first)
     second, both = (np.where(known, o, ORIGIN_CODE["missing"]) for o in (second, both))
     sure = flat["confidence"].to_numpy()[..., 0]

@@ -16,15 +16,14 @@ from pawnb.arrays import FloatArray
 from pawnb.core import dlt
 from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.poses import joint_positions
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.schema import ORIGIN_CODE
 
 _STEPS = 6
-_LENGTH_SHARE = 0.002
-"""Standard deviation of a projected length about that in space, of the leg span: half of what a
-place may be off across a leg."""
+"""Numerics: steps of Gauss-Newton from places that are nearly right."""
 
 
 def corrected_first_view(
@@ -96,7 +95,7 @@ class _LegFit:
         self.heading = np.radians(heading_deg)
         self.free = np.flatnonzero(leg.free)
         self.place_sd = settings.across_share * span_px
-        self.length_sd = _LENGTH_SHARE * span_px
+        self.length_sd = IN_SPACE.projected_length_sd * span_px
         self.angle_sd = np.radians(settings.angle_sd_deg)
 
     def run(self, angles_deg: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -13,6 +13,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, picture_cos
 from pawnb.core.pose.space.frame import SpaceFrame, even_arches
 from pawnb.core.pose.space.geometry import view_slope
 from pawnb.core.pose.space.model import SpaceModel
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.picture_kernels import (
     Known,
     add_known,
@@ -23,18 +24,10 @@ from pawnb.core.pose.space.picture_kernels import (
 from pawnb.core.video.views import Frame
 
 _SQRT5 = float(np.sqrt(5.0))
-_ROUNDS = 12
-"""Steps of a fit at most."""
-_ENOUGH = 0.05
-"""A step that lowers the cost by less is the last."""
-_ANIMAL_DARK = 0.2
-"""Darkness, of the animal's, from which a pixel may be its."""
-_DARK_SHARE = 0.12
-"""A pixel is not the background where it differs from it by this share."""
-_BODY_STEP = 0.007
-"""Step with which the body is looked for, leg spans."""
-_COARSE = 2.5
-"""How much broader the blur of the first fit is, which draws from further away."""
+"""Mathematics: half width of a parabola, in its standard deviations."""
+_DAMPING, _EASIER, _LEAST, _HARDER, _MORE, _MOST = 1e-3, 4, 1e-6, 8, 1e-4, 1e4
+"""Numerics: the schedule of damping of a Levenberg-Marquardt descent (Marquardt 1963). It tells how
+steps are found, not where the bottom is."""
 
 
 class SpaceFitter:
@@ -59,9 +52,9 @@ class SpaceFitter:
         whole = (0, 0, self.evidence.width, self.evidence.height)
         image = self.evidence.pixels(frame, whole)
         change = image - self.evidence.mean
-        strong = np.abs(change) >= np.percentile(np.abs(change), 98)
+        strong = np.abs(change) >= np.percentile(np.abs(change), IN_SPACE.strong_percentile)
         if np.median(change[strong]) > 0:
-            self.evidence.light = float(np.percentile(image[strong], 75))
+            self.evidence.light = float(np.percentile(image[strong], IN_SPACE.light_percentile))
         self.blur = _SQRT5 * settings.blur_px
         self.shown = np.ones(len(model.animal.legs), bool)
 
@@ -92,8 +85,10 @@ class SpaceFitter:
         ends = np.concatenate([start + h * direction for h in heights])
         seen = dlt.project(self.model.coefs, ends)[:, 0]
         size = np.array([self.evidence.width, self.evidence.height])
-        low = np.clip(np.floor(seen.min(axis=0)) - 8, 0, size - 2).astype(int)
-        high = np.clip(np.ceil(seen.max(axis=0)) + 9, low + 2, size).astype(int)
+        low = np.clip(np.floor(seen.min(axis=0)) - IN_SPACE.margin_px, 0, size - 2).astype(int)
+        high = np.clip(np.ceil(seen.max(axis=0)) + IN_SPACE.margin_px + 1, low + 2, size).astype(
+            int
+        )
         box = (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
         return self.evidence.pixels(frame, box), box
 
@@ -101,7 +96,9 @@ class SpaceFitter:
         """Return the darkness of a crop of the second view."""
         u0, v0, u1, v1 = box
         mean, sd = self.evidence.mean[v0:v1, u0:u1], self.evidence.sd[v0:v1, u0:u1]
-        animal = np.abs(image - mean) > np.maximum(_DARK_SHARE * mean, 4.0 * sd)
+        animal = np.abs(image - mean) > np.maximum(
+            IN_SPACE.dark_share * mean, IN_SPACE.dark_sds * sd
+        )
         covered = np.where(binary_dilation(animal, iterations=2), 0, -1)
         return self.evidence.image_evidence(image.astype(float), box, covered)
 
@@ -163,7 +160,7 @@ class SpaceFitter:
         """
         model = self.model
         if body is None:
-            step = _BODY_STEP * model.span
+            step = IN_SPACE.body_step * model.span
             lowest = np.fmax(model.heights[0], model.ground)
             body = self.body_height(one, image_evidence, np.arange(lowest, model.heights[1], step))
         places, heights = even_arches(model, one, body)
@@ -202,7 +199,7 @@ class SpaceFitter:
             Unknowns and cost.
         """
         if coarse:
-            x, _ = self._descend(one, image_evidence, x, known, _COARSE * self.blur)
+            x, _ = self._descend(one, image_evidence, x, known, IN_SPACE.coarse * self.blur)
         return self._descend(one, image_evidence, x, known, self.blur)
 
     def _descend(
@@ -215,21 +212,21 @@ class SpaceFitter:
     ) -> tuple[np.ndarray, float]:
         """Return the unknowns at the bottom of the cost's valley, and their cost."""
         cost, matrix, vector = self.equations(one, image_evidence, x, known=known, blur=blur)
-        damping = 1e-3
-        for _ in range(_ROUNDS):
+        damping = _DAMPING
+        for _ in range(IN_SPACE.rounds):
             step = self.solve(matrix, -vector, damping)
-            most = 0.04 * self.model.span
+            most = IN_SPACE.most_step * self.model.span
             step = np.clip(step, -most, most)
             new = self.equations(one, image_evidence, x + step, known=known, blur=blur)
             gained = cost - new[0]
             if gained > 0:
-                x, damping = x + step, max(damping / 4, 1e-6)
+                x, damping = x + step, max(damping / _EASIER, _LEAST)
                 cost, matrix, vector = new
-                if gained < _ENOUGH:
+                if gained < IN_SPACE.enough:
                     break
             else:
-                damping = damping * 8 + 1e-4
-                if damping > 1e4:
+                damping = damping * _HARDER + _MORE
+                if damping > _MOST:
                     break
         return x, cost
 
@@ -267,7 +264,7 @@ class SpaceFitter:
         change = view_slope(model.coefs, middle) @ model.lines.axis
         # where the scene itself is dark, noise looks like an animal
         sure = image_evidence.weight > 0.5 / model.settings.unexplained_sd**2
-        names, n = label((image_evidence.seen > _ANIMAL_DARK) & sure)
+        names, n = label((image_evidence.seen > IN_SPACE.animal_dark) & sure)
         if not n:
             return np.nan
         largest = 1 + int(np.argmax(np.bincount(names.ravel())[1:]))

@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.pose.space.arch import arch, slide
 from pawnb.core.pose.space.model import SpaceModel
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.picture_kernels import Known
 
 
@@ -67,13 +68,14 @@ def known_without_picture(
         seen=np.nan_to_num(one.places),
         weight=np.nan_to_num(one.precision),
         length=model.lengths,
-        length_sd=settings.length_sd * model.lengths + 1e-3 * model.span,
+        length_sd=settings.length_sd * model.lengths + IN_SPACE.length_least * model.span,
         bend_sd=settings.bend_sd,
         root_sd=settings.root_share * model.span,
         expected=nothing if expected is None else expected,
         expected_sd=expected_sd,
         ground=model.ground,
         ground_sd=settings.ground_share * model.span,
+        lifted=IN_SPACE.lifted,
     )
 
 

@@ -6,10 +6,8 @@ import numpy as np
 
 from pawnb.arrays import FloatArray, Points2D, Points3D
 from pawnb.core import dlt
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.errors import CalibrationError
-
-_LEAST_CHANGE = 0.2
-"""Least change in the second picture, as a share of the greatest of any direction."""
 
 
 def view_slope(coefs: FloatArray, xyz: Points3D) -> FloatArray:
@@ -122,7 +120,7 @@ def check_second_view(lines: SightLines, coefs: FloatArray, names: tuple[str, st
     slope = view_slope(np.asarray(coefs, dtype=float), lines.about)
     most = np.linalg.svd(slope, compute_uv=False)[0]
     share = float(np.linalg.norm(slope @ lines.axis) / most)
-    if not share >= _LEAST_CHANGE:
+    if not share >= IN_SPACE.least_change:
         raise CalibrationError(
             f"views {names[0]!r} and {names[1]!r} look in nearly the same direction "
             f"({np.degrees(np.arcsin(min(share, 1.0))):.0f} degrees apart), so heights cannot be "

@@ -15,19 +15,11 @@ from pawnb.core.pose.fit.rendering.paint_kernels import picture_cost
 from pawnb.core.pose.space.fitter import SpaceFitter
 from pawnb.core.pose.space.frame import SpaceFrame
 from pawnb.core.pose.space.model import SpaceModel
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.picture_kernels import paint_parts, paint_space
 
 Sample = tuple[SpaceFrame, ImageEvidence, np.ndarray]
 """A frame, its second picture and its unknowns."""
-
-_THICKNESS = np.linspace(0.35, 1.25, 10)
-_PITCHES = np.linspace(-0.3, 0.3, 13)
-_PITCH_SD = 0.15
-"""Rise of the body forwards, as a share of the way."""
-_SAME_LENGTH = 0.05
-"""How far a leg's length may be from the species', as a share."""
-_LENGTH_SEEN = 0.02
-"""How sure the median over frames of a leg's length is, as a share."""
 
 
 def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> SpaceModel:
@@ -75,15 +67,15 @@ def _learn_body(fitter: SpaceFitter, samples: Sequence[Sample]) -> SpaceModel:
         )
         pictures.append((value, owner))
     front = model.size * np.array([part.centre[0] for part in model.animal.body])
-    for _ in range(2):
+    for _ in range(IN_SPACE.body_rounds):
         trials = []
-        for slope in _PITCHES:
+        for slope in np.linspace(*IN_SPACE.pitches):
             trial = model.changed(lift=slope * front)
-            trials.append((trial, 0.5 * len(samples) * (slope / _PITCH_SD) ** 2))
+            trials.append((trial, 0.5 * len(samples) * (slope / IN_SPACE.pitch_sd) ** 2))
         model = _cheapest(trials, fitter.blur, samples, pictures)
         for part in range(len(front)):
             trials = []
-            for thick in _THICKNESS:
+            for thick in np.linspace(*IN_SPACE.thickness):
                 thickness = model.thickness.copy()
                 thickness[part] = thick
                 trials.append((model.changed(thickness=thickness), 0.0))
@@ -125,7 +117,7 @@ def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
     model = fitter.model
     layout = model.layout
     partner = partners(model.animal)
-    for _ in range(3):
+    for _ in range(IN_SPACE.leg_rounds):
         legs, nodes = layout.radius.shape
         matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
         fitter.model = model.changed(layout=layout)
@@ -165,7 +157,7 @@ def _learn_lengths(model: SpaceModel, samples: Sequence[Sample]) -> np.ndarray:
     seen = np.array([_sizes(model, x) for _, _, x in samples])
     for i, n in enumerate(model.layout.n_segments):
         factor = np.median(seen[:, i, :n].sum(axis=1)) / lengths[i, :n].sum()
-        trust = _SAME_LENGTH**2 / (_SAME_LENGTH**2 + _LENGTH_SEEN**2)
+        trust = IN_SPACE.same_length**2 / (IN_SPACE.same_length**2 + IN_SPACE.length_seen**2)
         lengths[i, :n] *= 1.0 + trust * (factor - 1.0)
     return lengths
 

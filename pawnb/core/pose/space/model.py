@@ -13,18 +13,15 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import Layout, make_layout
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.space.geometry import SightLines, check_second_view, px_per_unit, view_slope
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.rig import Rig
 from pawnb.core.sightlines import find_look_point
 from pawnb.errors import InputError
 
-_FIRST_THICKNESS = 0.7
-"""Height of a body part as a share of its width, until it is learnt."""
-_SAMPLES = 4001
-"""Heights that are tried."""
-_FAR_PICTURES = 4.0
-"""Heights are looked for within this many widths of the first picture about the look point."""
+_SAMPLES, _LOOKED_UP = 4001, 25
+"""Numerics: heights that are tried, in so many frames, evenly spread."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -196,7 +193,7 @@ def make_model(
         size=size,
         lengths=lengths,
         heights=heights,
-        thickness=np.full(len(animal.body), _FIRST_THICKNESS),
+        thickness=np.full(len(animal.body), IN_SPACE.first_thickness),
         lift=np.zeros(len(animal.body)),
         ground=np.nan,
         settings=settings,
@@ -211,9 +208,9 @@ def _heights_in_view(
     sizes: tuple[tuple[int, int], tuple[int, int]],
 ) -> tuple[float, float]:
     """Return the range of heights at which the body is in the second picture in most frames."""
-    far = _FAR_PICTURES * max(sizes[0]) / px_per_unit(lines.coefs, lines.about)
+    far = IN_SPACE.far_pictures * max(sizes[0]) / px_per_unit(lines.coefs, lines.about)
     heights = np.linspace(-far, far, _SAMPLES)
-    some = xy[:: max(1, len(xy) // 25)]
+    some = xy[:: max(1, len(xy) // _LOOKED_UP)]
     start, direction = lines.lines(some)
     uv = dlt.project(coefs, start[:, None] + heights[:, None] * direction[:, None])[..., 0, :]
     inside = ((uv > -0.5) & (uv < np.array(sizes[1]) - 0.5)).all(axis=-1)

@@ -23,9 +23,6 @@ from pawnb.core.pose.fit.rendering.paint_kernels import (
     step,
 )
 
-LIFTED = 2.0
-"""Standard deviations above the ground from which a foot counts as lifted."""
-
 
 class Known(NamedTuple):
     """What is known of a frame but for its second picture.
@@ -50,6 +47,8 @@ class Known(NamedTuple):
         Heights expected from other frames, the body's first; NaN where unknown.
     ground, ground_sd : float
         Height of the ground, NaN where it is not known, and how near to it a foot stands.
+    lifted : float
+        Standard deviations above it from which a foot counts as lifted.
     """
 
     axis: np.ndarray
@@ -65,6 +64,7 @@ class Known(NamedTuple):
     expected_sd: float
     ground: float
     ground_sd: float
+    lifted: float
 
 
 @compiled
@@ -77,7 +77,7 @@ def project_point(coefs: np.ndarray, x: float, y: float, z: float) -> tuple[floa
 
 
 @compiled
-def ground_cost(above: float, foot: bool) -> float:
+def ground_cost(above: float, foot: bool, lifted: float) -> float:
     """Return the cost of a place ``above`` the ground in standard deviations.
 
     Nothing is below it; a foot stands on it or is lifted.
@@ -85,7 +85,7 @@ def ground_cost(above: float, foot: bool) -> float:
     square = above * above
     if above < 0.0:
         return 0.5 * square
-    return 0.5 * square / (1.0 + square / LIFTED**2) if foot else 0.0
+    return 0.5 * square / (1.0 + square / lifted**2) if foot else 0.0
 
 
 @compiled
@@ -292,10 +292,10 @@ def _add_height(
         total += _add_row(matrix, vector, k, known.axis, 3, height - expected, precision)
     if not math.isnan(known.ground):
         above = (height - known.ground) / known.ground_sd
-        total += ground_cost(above, foot)
+        total += ground_cost(above, foot, known.lifted)
         if above < 0.0 or foot:
             # robust: weighted as in iteratively reweighted least squares
-            w = 1.0 if above < 0.0 else (1.0 + (above / LIFTED) ** 2) ** -2
+            w = 1.0 if above < 0.0 else (1.0 + (above / known.lifted) ** 2) ** -2
             precision = w / known.ground_sd**2
             _add_row(matrix, vector, k, known.axis, 3, height - known.ground, precision)
     return total

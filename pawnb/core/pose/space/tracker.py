@@ -11,7 +11,6 @@ the end heights are fitted with those of the frames beside.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import Protocol
 
@@ -19,7 +18,7 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.parallel import THREADS
+from pawnb.core.parallel import THREADS, Threads
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
@@ -27,6 +26,7 @@ from pawnb.core.pose.space.fitter import SpaceFitter
 from pawnb.core.pose.space.frame import SpaceFrame, known_without_picture
 from pawnb.core.pose.space.learn import learn_model
 from pawnb.core.pose.space.model import first_view_places, make_model
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
@@ -34,12 +34,8 @@ from pawnb.core.rig import Rig
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError
 
-_LEARN_FROM = 16
-"""Frames from which look and proportions are learnt."""
-_SETTLE = 2
-"""How often all heights are fitted with those of the frames beside."""
-_PASSES = 4 + _SETTLE
-"""Over all frames: read, fitted alone, taken over from either side, settled."""
+_ALONG = 9
+"""Numerics: places of a segment at which it is looked up whether it is shown."""
 
 
 class Pictures(Protocol):
@@ -140,7 +136,7 @@ def place_in_space(
             )
         )
         if progress is not None:
-            progress(len(frames), _PASSES * len(needed))
+            progress(len(frames), _n_passes() * len(needed))
     if len(frames) < len(needed):  # stopped: some frames do not tell of all
         return _blank(len(track), places.shape[1:3])
     solver = _SpaceSolver(
@@ -157,9 +153,14 @@ def place_in_space(
     return solver.result(len(track), needed)
 
 
+def _n_passes() -> int:
+    """Return the passes over all frames: read, alone, from either side, and to settle."""
+    return 4 + IN_SPACE.settle
+
+
 def _spread(n: int) -> list[int]:
     """Return some of n frames, over all of them."""
-    return sorted({int(k) for k in np.linspace(0, n - 1, min(n, _LEARN_FROM))})
+    return sorted({int(k) for k in np.linspace(0, n - 1, min(n, IN_SPACE.learn_from))})
 
 
 def _read(
@@ -240,7 +241,7 @@ class _SpaceSolver:
         for one in passes:
             if not self._each(*one):
                 return
-        for turn in range(_SETTLE):
+        for turn in range(IN_SPACE.settle):
             # all from the heights before, so that the order of the threads does not tell
             settle = partial(self._settle, before=self.x.copy())
             if not self._each(f"settled {turn}", settle, self.wanted, THREADS):
@@ -259,14 +260,14 @@ class _SpaceSolver:
                 return True
             return False
 
-        with ThreadPoolExecutor(threads) as pool:
+        with Threads(threads) as pool:
             for k, is_new in zip(order, pool.map(one, order), strict=True):
                 if is_new:
                     found = {"x": self.x[k], "cost": float(self.cost[k])}
                     self.kept.keep(way, int(self.numbers[k]), found)
         self.passes += 1
         if self.progress is not None:
-            self.progress(self.passes * len(self.frames), _PASSES * len(self.frames))
+            self.progress(self.passes * len(self.frames), _n_passes() * len(self.frames))
         return self.stop is None or not self.stop()
 
     def _alone(self, k: int) -> None:
@@ -361,11 +362,13 @@ class _SpaceSolver:
         height, width = image_evidence.seen.shape
         support = np.zeros(len(drawn))
         for i, n in enumerate(model.layout.n_segments):
-            share = np.linspace(0.0, 1.0, 9)[:, None, None]
+            share = np.linspace(0.0, 1.0, _ALONG)[:, None, None]
             line = drawn[i, :n] + share * np.diff(drawn[i, : n + 1], axis=0)
             u, v = np.rint(line - image_evidence.box).astype(int).reshape(-1, 2).T
             inside = (u >= 0) & (v >= 0) & (u < width) & (v < height)
-            dark = np.repeat(0.5 * model.layout.dark[i, :n][None], 9, axis=0).ravel()
+            dark = np.repeat(
+                IN_SPACE.shown_dark * model.layout.dark[i, :n][None], _ALONG, axis=0
+            ).ravel()
             support[i] = (image_evidence.seen[v[inside], u[inside]] > dark[inside]).sum() / len(u)
         return sd, support
 

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pawnb.core.parameters import parameters_set
-from pawnb.core.paws.offline import learnt_run, windows
+from pawnb.core.paws.offline import learnt_run
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.learnt_run import track_learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
@@ -127,9 +127,8 @@ def test_views_without_a_rig_are_tracked_each_by_itself(array_views, make_textur
 
 
 @pytest.mark.slow
-def test_long_recordings_go_on_from_window_to_window(views, truth, monkeypatch):
-    monkeypatch.setattr(windows, "MOST_ROWS", 16)
-    with parameters_set({"run": {"window_overlap": 8}}):
+def test_long_recordings_go_on_from_window_to_window(views, truth):
+    with parameters_set({"run": {"window_rows": 16, "window_overlap": 8}}):
         tracks = track_learnt(views, clicks(truth, [4]), task(), parameters=QUICK)
     assert (off(tracks, truth) < 4).mean() > 0.85
 

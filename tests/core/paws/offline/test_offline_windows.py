@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pawnb.core.paws.offline import windows as module
 from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track
 from pawnb.core.paws.offline.windows import (
     chance_to_go_on,
@@ -24,7 +24,7 @@ def test_windows_cover_every_row_and_each_meets_one_before_it(n, clicked):
     seen = np.zeros(n, bool)
     for i, (begin, end) in enumerate(spans):
         assert 0 <= begin < end <= n
-        assert end - begin <= module.MOST_ROWS
+        assert end - begin <= RUN.window_rows
         if i:
             assert seen[begin:end].any()  # there is something to go on from
         seen[begin:end] = True

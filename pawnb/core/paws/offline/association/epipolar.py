@@ -16,7 +16,8 @@ from pawnb.core.rig import Rig
 from pawnb.core.sightlines import find_fundamental_matrix
 
 _REACH_SDS, _STEPS = 4.5, 64
-"""Across a line its support is in a table: so far, in so many steps a standard deviation."""
+"""Numerics: across a line its support is in a table, so far and in so many steps a standard
+deviation; beyond it is below exp(-10)."""
 
 
 def epipolar_support(

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from pawnb.core.parallel import Threads
+from pawnb.core.paws.offline.association.parameters import LINKS
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,9 @@ def estimate(posterior: np.ndarray, radius: float) -> Estimates:
     y, x = np.mgrid[: posterior.shape[1], : posterior.shape[2]]
 
     def one(mass: np.ndarray) -> tuple[float, float, float, float]:
-        mode = np.unravel_index(cv2.GaussianBlur(mass, (0, 0), 1.2).argmax(), mass.shape)
+        mode = np.unravel_index(
+            cv2.GaussianBlur(mass, (0, 0), LINKS.mode_blur).argmax(), mass.shape
+        )
         part = tuple(slice(max(0, int(m) - reach), int(m) + reach + 1) for m in mode)
         near = mass[part] + 1e-20
         within = near.sum()
@@ -85,7 +88,7 @@ def modes(mass: np.ndarray, radius: float, count: int) -> list[tuple[np.ndarray,
         y, x = np.unravel_index(left.argmax(), left.shape)
         part = (slice(max(0, y - reach), y + reach + 1), slice(max(0, x - reach), x + reach + 1))
         within = float(left[part].sum())
-        if within < 0.02:
+        if within < LINKS.least_mode:
             break
         found.append((np.array([x, y], float), within))
         left[part] = 0

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 
+from pawnb.core.paws.offline.association.parameters import LINKS
+
 
 def open_to_each(
     posteriors: Mapping[int, np.ndarray], radius: float, strength: float
@@ -27,7 +29,7 @@ def open_to_each(
     dict
         Point to factors (n, h, w) from 1 - ``strength`` to 1.
     """
-    side = int(1.8 * radius) | 1
+    side = int(LINKS.taken_radii * radius) | 1
     taken = {
         point: np.stack([np.clip(cv2.blur(m, (side, side)) * side**2, 0, 1) for m in posterior])
         for point, posterior in posteriors.items()

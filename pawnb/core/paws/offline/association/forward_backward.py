@@ -11,6 +11,7 @@ from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import AssociationParameters
 
 _TINY = 1e-20
+"""Guard: against division by zero."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def smooth_posterior(
     agreement = np.ones(n)
     for t in range(n - 2, -1, -1):
         mass = carried(_normalised(to_come * likelihood[t + 1]), forward[t])
-        to_come = _normalised(mass) + 10 * parameters.lost / (h * w)
+        to_come = _normalised(mass) + LINKS.to_come_even * parameters.lost / (h * w)
         if compared:
             agreement[t] = _overlap(filtered[t], _normalised(to_come * likelihood[t]))
         filtered[t] = _normalised(cv2.multiply(to_come, filtered[t]))

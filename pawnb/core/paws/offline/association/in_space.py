@@ -7,7 +7,7 @@ import numpy as np
 from pawnb.core.paws.offline.quality.measures import largest_distance
 
 _SURE = 1 - 1e-6
-"""Chances of 1 on one place would leave nothing to compare."""
+"""Guard: chances of 1 on one place would leave nothing to compare."""
 
 
 def surest_two(chance: np.ndarray) -> np.ndarray:

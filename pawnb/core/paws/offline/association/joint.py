@@ -59,7 +59,7 @@ def tell_apart(
     """
     points = sorted(masses)
     n = stack.shape[0]
-    side = int(1.8 * radius) | 1
+    side = int(LINKS.taken_radii * radius) | 1
     placed = _clicked_places(stack, annotations, points)
 
     def own(point: int, t: int) -> np.ndarray:
@@ -136,7 +136,7 @@ def _gains(
     t = one.rows
     look = np.stack([looks[p][t, y, x] for p in points], axis=1).astype(float)
     share = look / (1 + look)
-    of_any = np.clip(share.sum(axis=1), 0.01, 0.99)
+    of_any = np.clip(share.sum(axis=1), LINKS.there_unsure, 1.0 - LINKS.there_unsure)
     there = np.clip(np.log(of_any / (1 - of_any)), -LINKS.most_there, LINKS.most_there)
     name = np.log(share + LINKS.names_unsure) - np.log(
         (share + LINKS.names_unsure).mean(axis=1, keepdims=True)
@@ -194,7 +194,7 @@ def paint_names(
             if x0 >= x1 or y0 >= y1:
                 continue
             y, x = np.mgrid[y0:y1, x0:x1]
-            taken = (x - cx) ** 2 + (y - cy) ** 2 < (0.9 * radius) ** 2
+            taken = (x - cx) ** 2 + (y - cy) ** 2 < (LINKS.closed_radii * radius) ** 2
             closed = np.where(taken, 1 - parameters.closed, 1).astype(np.float32)
             bump = bump_at(closed.shape, (cx - x0, cy - y0), LINKS.decided_sd)
             for p in points:

@@ -59,6 +59,32 @@ class DataAssociationParameters:
         The same in radii, at least. Set by hand.
     velocity_rows : int
         Rows from which the velocity at either end of a tracklet is found. Set by hand.
+    mode_blur : float
+        Blur before the likeliest place is taken, in places of the grid. Set by hand.
+    least_mode : float
+        Places about which less of the probability lies are not taken. Set by hand.
+    taken_radii : float
+        Side, in radii, of the square about a place whose probability takes it from others. Set by
+        hand.
+    there_unsure : float
+        The probability that there is any point is at least this, and at most one less this. Set by
+        hand.
+    closed_radii : float
+        Radius, in radii, of what is closed about a place that was decided on. Set by hand.
+    to_come_even : float
+        Share, in probabilities of being lost, by which what is to come is even. Set by hand.
+    prior_narrower : tuple of float
+        Factors of the standard deviation about clicks: of one, of two or three, of more. Set by
+        hand.
+    prior_blur_radii : float
+        Blur, in radii, of where a point was before it is a prior. Set by hand.
+    prior_even : float
+        Share of such a prior that is even. Set by hand.
+    peak_blur : float
+        Blur, in places of the grid, before peaks are taken. Set by hand.
+    met_radii : float
+        Two things meet where the second is farther than the first by less than so many radii. Set
+        by hand.
     """
 
     click_sd: float = 0.6
@@ -81,6 +107,17 @@ class DataAssociationParameters:
     prior_sd: float = 0.22
     prior_least_radii: float = 3.2
     velocity_rows: int = 5
+    mode_blur: float = 1.2
+    least_mode: float = 0.02
+    taken_radii: float = 1.8
+    there_unsure: float = 0.01
+    closed_radii: float = 0.9
+    to_come_even: float = 10.0
+    prior_narrower: tuple[float, ...] = (1.0, 0.8, 0.65)
+    prior_blur_radii: float = 1.2
+    prior_even: float = 0.15
+    peak_blur: float = 0.8
+    met_radii: float = 0.75
 
 
 LINKS = in_force("data_association", DataAssociationParameters())

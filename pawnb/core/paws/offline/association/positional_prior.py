@@ -40,7 +40,7 @@ def prior_from_clicks(
     priors = {}
     for point in annotations.points:
         rows = annotations.rows_of(point)
-        narrower = 1.0 if len(rows) == 1 else 0.8 if len(rows) < 4 else 0.65
+        narrower = LINKS.prior_narrower[0 if len(rows) == 1 else 1 if len(rows) < 4 else 2]
         sd = narrower * max(
             LINKS.prior_sd * parameters.scene.extent / stack.spacing,
             LINKS.prior_least_radii * radius,
@@ -73,7 +73,8 @@ def prior_from_tracks(
     """
     learnt = {}
     for point, found in masses.items():
-        mass = cv2.GaussianBlur(found, (0, 0), 1.2 * radius)
-        mass = 0.85 * mass / mass.sum() + 0.15 / mass.size
+        mass = cv2.GaussianBlur(found, (0, 0), LINKS.prior_blur_radii * radius)
+        even = LINKS.prior_even
+        mass = (1.0 - even) * mass / mass.sum() + even / mass.size
         learnt[point] = (0.5 * priors[point] + 0.5 * mass).astype(np.float32)
     return learnt

@@ -12,7 +12,9 @@ from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
 _NEIGHBOURS: np.ndarray = np.ones((3, 3), np.uint8)
+"""Layout: the neighbours of a place."""
 _ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
+"""Layout: steps to them."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ def find_candidates(
         Places (x, y); peaks are ``apart`` radii from each other and from what is sure.
     """
     apart = parameters.apart * radius
-    smooth = cv2.GaussianBlur(score, (0, 0), 0.8)
+    smooth = cv2.GaussianBlur(score, (0, 0), LINKS.peak_blur)
     left = np.where(smooth >= cv2.dilate(smooth, _NEIGHBOURS), smooth, 0)
     h, w = left.shape
     found = [np.asarray(place, float) for place in sure]
@@ -213,7 +215,7 @@ def _match(
     lowest, second = np.sort(np.vstack([away, np.full(len(new), np.inf)]), axis=0)[:2, nearest]
     rival = np.minimum(others.min(axis=1), np.where(best <= lowest, second, lowest))
     goes = best <= radius
-    met = goes & (rival < best + 0.75 * radius)
+    met = goes & (rival < best + LINKS.met_radii * radius)
     pairs = {int(i): int(nearest[i]) for i in np.flatnonzero(goes & ~met)}
     return pairs, set(np.flatnonzero(met).tolist())
 

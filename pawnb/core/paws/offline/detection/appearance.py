@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.features import PictureFeatures
@@ -83,7 +83,11 @@ def learn_appearance(
     random = np.random.default_rng(0)
     samples, labels = [], []
     for row, lesson in sorted(lessons.items()):
-        copies = parameters.copies if lesson.clicked else max(1, parameters.copies // 4)
+        copies = (
+            parameters.copies
+            if lesson.clicked
+            else max(1, parameters.copies // LEARNT.copies_fewer)
+        )
         for copy in range(copies):
             found, names = _samples(stack, row, lesson, random, parameters, varied=copy > 0)
             samples.append(found)
@@ -124,7 +128,9 @@ def _samples(
         usable &= (away >= LEARNT.open_radii * radius) | (label > 0)
     positive = np.flatnonzero(label > 0)
     negative = np.flatnonzero((label == 0) & usable)
-    weight = 1 / (1 + (nearest.ravel()[negative].astype(float) / (3 * radius)) ** 2)
+    weight = 1 / (
+        1 + (nearest.ravel()[negative].astype(float) / (LEARNT.background_radii * radius)) ** 2
+    )
     chosen = random.choice(
         negative, min(len(negative), parameters.background), replace=False, p=weight / weight.sum()
     )
@@ -219,11 +225,12 @@ def appearance_maps(
         colour = None if stack.colour is None else stack.colour[row]
         features = PictureFeatures(stack.grey[row], colour, stack.spacing)
         for point, found in zip(points, _probabilities(features, classify, points), strict=True):
-            own = cv2.GaussianBlur(found, (0, 0), 0.8)
-            # 0.02 keeps what is certain within what the samples can tell
-            maps[point][i] = np.clip(own / (1.02 - own), parameters.lowest, parameters.highest)
+            own = cv2.GaussianBlur(found, (0, 0), LEARNT.found_blur)
+            maps[point][i] = np.clip(
+                own / (1.0 + LEARNT.found_unsure - own), parameters.lowest, parameters.highest
+            )
 
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         list(pool.map(look, range(len(wanted))))
     return maps
 

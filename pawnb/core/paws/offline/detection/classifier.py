@@ -13,8 +13,8 @@ from pawnb.core.paws.offline.parameters import AppearanceParameters
 Classifier = Callable[[np.ndarray], np.ndarray]
 """Features (m, F) to probabilities (m, 1 + P) of no point and of each."""
 
-_FIRST_MOMENT, _SECOND_MOMENT, _TINY = 0.9, 0.999, 1e-8
-"""Of Adam, as Kingma & Ba (2015) propose them."""
+_TINY = 1e-8
+"""Guard: against division by zero, as Kingma & Ba (2015) propose it."""
 
 
 @dataclass(frozen=True)
@@ -122,12 +122,13 @@ def _train(
     networks = _Networks.in_vector(vector, (f, k, h, n_classes))
     slopes = _Networks.in_vector(gradient, (f, k, h, n_classes))
     first, second = np.zeros_like(vector), np.zeros_like(vector)
+    decay, decay_square = LEARNT.moment_decays
     target = np.eye(n_classes, dtype=np.float32)[classes]
     for step, rows in enumerate(_batches(len(samples), parameters.epochs, random), start=1):
         _find_slopes(networks, slopes, samples[rows], target[rows])
-        first += (1 - _FIRST_MOMENT) * (gradient - first)
-        second += (1 - _SECOND_MOMENT) * (gradient * gradient - second)
-        rate = LEARNT.learning_rate * np.sqrt(1 - _SECOND_MOMENT**step) / (1 - _FIRST_MOMENT**step)
+        first += (1 - decay) * (gradient - first)
+        second += (1 - decay_square) * (gradient * gradient - second)
+        rate = LEARNT.learning_rate * np.sqrt(1 - decay_square**step) / (1 - decay**step)
         vector -= np.float32(rate) * first / (np.sqrt(second) + np.float32(_TINY))
     return networks
 

@@ -15,20 +15,21 @@ of M places and turns that differ and peaks i. The ratio of likelihoods there is
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import CorrelationParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
-_TINY, _FLAT = 1e-6, 1e-2
-"""Least norm of a patch and variance of grey values: what is flat correlates with nothing."""
+_TINY, _FLAT, _EVEN, _MOST_LOG = 1e-6, 1e-2, 1e-3, 50.0
+"""Guard: least norm of a patch, variance of grey values and standard deviation of scores, as what
+is flat correlates with nothing; largest exponent."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,7 @@ def _find_point(
         score = np.nan if at is None else _read(scores, at)
         return _peaks(scores, half, parameters.peaks), score, scores.places
 
-    with ThreadPoolExecutor() as pool:
+    with Threads() as pool:
         seen = list(pool.map(look, wanted))
     mean, sd = scores_of_point(np.array([score for _, score, _ in seen]))
     rows = []
@@ -165,7 +166,7 @@ def _find_point(
         s = np.array([peak[2] for peak in peaks])
         # a score higher than the point's own mean is no worse than the mean
         log = -(np.maximum(mean - s, 0.0) ** 2) / (2 * sd**2) - np.log(sd) + s**2 / 2
-        ratio = np.exp(np.minimum(log, 50.0))
+        ratio = np.exp(np.minimum(log, _MOST_LOG))
         share = ratio / (places + ratio.sum())
         for (x, y, _), own in zip(peaks, share, strict=True):
             if own > LEARNT.least_peak:
@@ -209,7 +210,7 @@ def _score(
     others = z[elsewhere]
     if not len(others):
         return None
-    z = (z - others.mean()) / max(float(others.std()), 1e-3)
+    z = (z - others.mean()) / max(float(others.std()), _EVEN)
     return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
 
 

@@ -10,9 +10,13 @@ import numpy as np
 
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 
-_RINGS_PX = (10.0, 20.0, 35.0)
+_SLOPES, _SHADES = 1.5, 32
+"""Mathematics: units of features; each is standardised before anything is learnt from it, so that
+they change nothing."""
 _DIRECTIONS = 8
+"""Layout: directions of a ring."""
 _TURNS = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
+"""Layout: their angles, rad."""
 
 
 @dataclass(frozen=True)
@@ -88,27 +92,32 @@ class PictureFeatures:
         brightness = on_grid(fine)
         gx_grid, gy_grid = on_grid(gx), on_grid(gy)
         maps = _structure(gx, gy, on_grid)
-        maps += [brightness, gx_grid * 1.5, gy_grid * 1.5, _length(gx_grid, gy_grid) * 1.5]
-        near = on_grid(cv2.GaussianBlur(fine, (0, 0), 1.3))
-        middle = cv2.GaussianBlur(near, (0, 0), 5.2 / spacing)
-        far = cv2.GaussianBlur(middle, (0, 0), 10.4 / spacing)
+        maps += [
+            brightness,
+            gx_grid * _SLOPES,
+            gy_grid * _SLOPES,
+            _length(gx_grid, gy_grid) * _SLOPES,
+        ]
+        near = on_grid(cv2.GaussianBlur(fine, (0, 0), LEARNT.near_sd_px))
+        middle = cv2.GaussianBlur(near, (0, 0), LEARNT.middle_sd_px / spacing)
+        far = cv2.GaussianBlur(middle, (0, 0), LEARNT.far_sd_px / spacing)
         for x, gain in ((near, 1.0), (middle, 2.0), (far, 4.0)):
             dx, dy = (cv2.Sobel(x, cv2.CV_32F, *d, scale=gain) for d in ((1, 0), (0, 1)))
             maps += [x, dx, dy, _length(dx, dy)]
         maps += [(brightness - near) * 4, (near - middle) * 4, (middle - far) * 4]
-        ground = 0.7 * near
+        ground = LEARNT.ring_minus * near
         self._parts: list[np.ndarray | _Ring] = [np.stack(maps).reshape(len(maps), -1)]
         self._parts += [
             _Ring(near if i == 0 else middle, radius / spacing, ground)
-            for i, radius in enumerate(_RINGS_PX)
+            for i, radius in enumerate(LEARNT.rings_px)
         ]
         for channel in range(0 if colour is None else 2):
             shade = halved(np.ascontiguousarray(colour[..., channel]))  # type: ignore[index]
-            shade = on_grid(shade).astype(np.float32) / 32 - 4
-            smooth = cv2.GaussianBlur(shade, (0, 0), 5.1 / spacing)
+            shade = on_grid(shade).astype(np.float32) / _SHADES - 4
+            smooth = cv2.GaussianBlur(shade, (0, 0), LEARNT.colour_sd_px / spacing)
             self._parts.append(np.stack([shade, smooth]).reshape(2, -1))
             if channel == 0:
-                self._parts.append(_Ring(smooth, _RINGS_PX[0] / spacing))
+                self._parts.append(_Ring(smooth, LEARNT.rings_px[0] / spacing))
 
     def at(self, places: np.ndarray) -> np.ndarray:
         """Return the features of some places.
@@ -174,5 +183,5 @@ def _structure(
         for p in (gx * gx, gy * gy, gx * gy)
     )
     apart = np.sqrt((xx - yy) ** 2 + 4 * xy**2)
-    total = np.maximum(xx + yy, 0) + 1e-4
+    total = np.maximum(xx + yy, 0) + LEARNT.texture_least
     return [np.sqrt(total) * 4, apart / total, (xx - yy) / total, 2 * xy / total]

@@ -1,209 +1,10 @@
-"""Parameters of the stages ``colour``, ``learnt_detection`` and ``predictions``."""
+"""Parameters of the stages ``learnt_detection`` and ``predictions``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from pawnb.core.parameters import in_force
-
-
-@dataclass(frozen=True)
-class ColourParameters:
-    """How paws of a colour of their own are found in a picture.
-
-    Parameters
-    ----------
-    background_samples : int
-        Frames, evenly spread, of which the background is the median. Set by hand.
-    blob_detection_width : float
-        Standard deviation of the smoothing, in reaches of the search. Set by hand.
-    blob_detection_least : float
-        Least smoothed score of a spot, in that which clicked paws have. Set by hand.
-    colour_model_rounds : int
-        Times that the colour is learnt from what it found. Set by hand.
-    colour_model_reach, reach_grey : float
-        A paw's look is learnt this far from its click, as a share of the picture's width. Fur,
-        shadow and belt that mix with the colour at a paw's edge would pass for paws. Set by hand.
-    colour_model_few, colour_model_distinct, reach_few : int or float
-        With fewer clicks than the first, as in one view by itself, half as far again, where the
-        ratio at the clicks says that paws are distinguished well from the rest: the little that two
-        paws show close to their clicks is not all of their colours. Measured: over 27 single views
-        of rendered mice 15 % of labels were wrong without it, 11 % with it, and 10 and 9 % with
-        0.008 and 0.012.
-    learnt_width : int
-        Larger colour pictures are reduced to about this width before their look is learnt. Set by
-        hand.
-    colour_model_wide : tuple[float, ...]
-        What lies this far from clicks tells against paws, as shares of the picture's width: each
-        share counts alike, as shadows about the paws are a small part of the picture and fur, ears
-        and tail are not near them. Set by hand.
-    colour_model_limit : float
-        Largest log-likelihood ratio either way: one pixel never decides alone. Set by hand.
-    colour_model_like, colour_model_sure : float
-        Log-likelihood ratio from which pixels about a click are taken for paw, and the one that
-        counts as 0 in the end. Set by hand.
-    colour_model_usual, most_gain : float
-        Least ratio that is usual at clicks. Where ears and tail have the colour of the paws it is
-        lower; it is raised to this, at most so many times, as scores tell how much more like a
-        clicked paw one place is than another. Set by hand.
-    least_usual : float
-        Scores at clicks below this mean that paws are hardly distinguished from the rest at all.
-        Set by hand.
-    colour_model_alike : float
-        Share of what is about the animal that passes for paws from which on finer steps of colour
-        are used. Measured: 0.2 to 1.7 % in 80 rendered scenes, 2.4 to 23 % in 14, most of which
-        have a belt as brown as the paws. In those 14 of 10,071 wrong labels 2,355 are left.
-    colour_model_faint : float
-        Share of the same from which on pictures are smoothed more as well, and a place is told from
-        what is about it. Measured: beyond it 13 of 15 rendered scenes were lost without, as noise
-        is larger there than what tells paws from the belt; below it most are tracked.
-    colour_model_passing, most_limit : float
-        With finer steps the limit from which a place counts as paw is that which this share of what
-        is near paws would pass, shadow among it, but no higher than this share of what is usual at
-        clicks. Set by hand.
-    colour_quantisation_steps : tuple[float, ...]
-        How much finer than 8 levels the steps of each are. Set by hand.
-    colour_quantisation_noise : tuple[float, ...]
-        What a colour varies by at least, in the steps of :class:`FineColours`: noise of 8 levels of
-        brightness and 2 of colour. Set by hand.
-    colour_quantisation_smooth, smooth_much : tuple[int, float]
-        Side and standard deviation of what smooths a picture, px. Noise is as large as these steps:
-        pictures are smoothed a little more than for the usual ones. Set by hand.
-    about_px, colour_quantisation_less : int or float
-        The score about a place is the mean over a square of this side, some seven paws, of what
-        speaks for paws there; so many times of it are taken off. Set by hand.
-    detector_share : float
-        Share of mask about a pixel that is neither an end nor further along a limb. Set by hand.
-    share_spread : float
-        Difference of that share over which a pixel turns from an end into none. Set by hand.
-    ends_apart : float
-        Two ends are no nearer to each other than this, in reaches of the search. Set by hand.
-    score_blur_px : float
-        Standard deviation, px, of what takes the noise of single pixels out of a score. Set by
-        hand.
-    least_behind : float
-        Mask about an end, in squares of the reach, below which it is a speck. Set by hand.
-    direction_usual, direction_gain : float
-        What an end that points across where limbs tend to end counts, and how much more or less one
-        that points there or back: that is a heel, an elbow or the tail's. Set by hand.
-    least_likeness : float
-        However little a detection looks like a paw, it counts this much. Set by hand.
-    reduced_paw_px : float
-        Pictures are reduced until a paw is about so many pixels thick. Set by hand.
-    search_reach : float
-        Half the side of the square in which an end is looked for, in paw widths. Set by hand.
-    most_found : int
-        Detections usually kept in one picture. Set by hand.
-    looked_at : int
-        Ends in one picture that are looked at closely. Set by hand.
-    least_change : float
-        Means that change by less are left alone: those of parts that follow the animal change by up
-        to 0.06 as it moves, in steady light. Set by hand.
-    most_change : float
-        Light is not thought to change by a larger factor: then other things are to be seen. Set by
-        hand.
-    label_offsets_worse : float
-        A detection this much worse than the best of its kind says nothing about offsets. Set by
-        hand.
-    label_offsets_click : float
-        Least standard deviation of a click, in paw widths. Set by hand.
-    label_offsets_reach : float
-        An end farther than so many paw widths from a click is not that of the clicked paw: half a
-        long hind foot, clicked in its middle, measures nearly two. Set by hand.
-    label_offsets_far : float
-        What an end a paw width farther from the click is worth less: it may be another paw's. Set
-        by hand.
-    label_offsets_beside : float
-        To the side counts so much more than along: a paw lies behind its own end. Set by hand.
-    likelihood_near : float
-        A detection farther than so many paw widths from a click is not the clicked paw. Set by
-        hand.
-    least_score : float
-        Scores at clicks below this mean that paws are hardly distinguished from the rest at all.
-        Set by hand.
-    smooth_px, paw_width_fine : float or int
-        Standard deviation of the smoothing, px, and steps in a pixel, with which the thickness is
-        measured. Set by hand.
-    look_px, touch_px : int
-        A paw's thickness is measured in a part of the picture this far about a click, at the pixels
-        this near to it. Set by hand.
-    scan_follow : float
-        Share by which the searched region follows the detections from frame to frame. Set by hand.
-    scan_most_step : float
-        The region moves by no more than that share of so much of half its width a frame. Set by
-        hand.
-    scan_stride : int
-        Frames between those in which the animal is sought back from the clicks: the region follows
-        over twice as many. Set by hand.
-    most_faint : int
-        Detections kept in one picture where paws are hardly distinguished from their surroundings.
-        Set by hand.
-    in_hand : int
-        Frames that may wait to be searched: no thread stands idle for the slowest view. Set by
-        hand.
-    """
-
-    background_samples: int = 32
-    blob_detection_width: float = 0.4
-    blob_detection_least: float = 0.13
-    colour_model_rounds: int = 3
-    colour_model_reach: float = 0.004
-    reach_grey: float = 0.03
-    colour_model_few: int = 4
-    colour_model_distinct: float = 2.0
-    reach_few: float = 0.006
-    learnt_width: int = 1024
-    colour_model_wide: tuple[float, ...] = (0.06, 0.2)
-    colour_model_limit: float = 6.0
-    colour_model_like: float = 1.5
-    colour_model_sure: float = 1.0
-    colour_model_usual: float = 2.5
-    most_gain: float = 3.0
-    least_usual: float = 1.0
-    colour_model_alike: float = 0.02
-    colour_model_faint: float = 0.06
-    colour_model_passing: float = 0.005
-    most_limit: float = 0.85
-    colour_quantisation_steps: tuple[float, ...] = (2.0, 4.0, 4.0)
-    colour_quantisation_noise: tuple[float, ...] = (16.0, 8.0, 8.0)
-    colour_quantisation_smooth: tuple[int, float] = (5, 0.9)
-    smooth_much: tuple[int, float] = (13, 1.9)
-    about_px: int = 45
-    colour_quantisation_less: float = 1.5
-    detector_share: float = 0.34
-    share_spread: float = 0.03
-    ends_apart: float = 0.7
-    score_blur_px: float = 0.6
-    least_behind: float = 0.25
-    direction_usual: float = 0.8
-    direction_gain: float = 0.6
-    least_likeness: float = 0.05
-    reduced_paw_px: float = 6.0
-    search_reach: float = 0.85
-    most_found: int = 16
-    looked_at: int = 60
-    least_change: float = 0.07
-    most_change: float = 4.0
-    label_offsets_worse: float = 0.3
-    label_offsets_click: float = 0.05
-    label_offsets_reach: float = 2.5
-    label_offsets_far: float = 0.25
-    label_offsets_beside: float = 2.0
-    likelihood_near: float = 1.2
-    least_score: float = 0.5
-    smooth_px: float = 0.8
-    paw_width_fine: int = 4
-    look_px: int = 16
-    touch_px: int = 2
-    scan_follow: float = 0.06
-    scan_most_step: float = 0.1
-    scan_stride: int = 8
-    most_faint: int = 24
-    in_hand: int = 2
-
-
-COLOUR = in_force("colour", ColourParameters())
-"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
 
 
 @dataclass(frozen=True)
@@ -283,6 +84,37 @@ class LearntDetectionParameters:
         Frames from which is learnt again, spread over the recording. Set by hand.
     paw_sure : float
         Standard deviation, in paw widths, below which a track is learnt from. Set by hand.
+    found_blur : float
+        Blur of probabilities, places of the grid. Set by hand.
+    found_unsure : float
+        Added to the probability that a point is elsewhere: keeps what is certain within what the
+        samples can tell. Set by hand.
+    copies_fewer : int
+        Frames that were not clicked are taken so many times less often. Set by hand.
+    background_radii : float
+        Places of the background that are so many radii away are taken half as often as near ones.
+        Set by hand.
+    moment_decays : tuple of float
+        Decay of the mean gradient and of its square. Kingma & Ba 2015, who propose both.
+    near_sd_px : float
+        Scale of derivatives, px at half the working size. Set by hand.
+    middle_sd_px : float
+        The same, of the second, beyond the first. Set by hand.
+    far_sd_px : float
+        The same, of the third, beyond the second. Set by hand.
+    colour_sd_px : float
+        The same of colour. Set by hand.
+    rings_px : tuple of float
+        Radii of the rings about a place, working px. Set by hand.
+    ring_minus : float
+        Share of the brightness at the place that is taken from that of the rings. Set by hand.
+    texture_least : float
+        Added to the strength of texture, so that noise has no direction. Set by hand.
+    paw_usual_least : float
+        Likeness that paws usually have at clicks, at least. Set by hand.
+    paw_background : float
+        Places of the background so many paw widths away are taken half as often as near ones. Set
+        by hand.
     """
 
     copies_turn_deg: float = 10.0
@@ -317,6 +149,20 @@ class LearntDetectionParameters:
     paw_copies_tracked: int = 1
     paw_frames: int = 32
     paw_sure: float = 0.3
+    found_blur: float = 0.8
+    found_unsure: float = 0.02
+    copies_fewer: int = 4
+    background_radii: float = 3.0
+    moment_decays: tuple[float, float] = (0.9, 0.999)
+    near_sd_px: float = 1.3
+    middle_sd_px: float = 5.2
+    far_sd_px: float = 10.4
+    colour_sd_px: float = 5.1
+    rings_px: tuple[float, ...] = (10.0, 20.0, 35.0)
+    ring_minus: float = 0.7
+    texture_least: float = 1e-4
+    paw_usual_least: float = 0.1
+    paw_background: float = 4.0
 
 
 LEARNT = in_force("learnt_detection", LearntDetectionParameters())
@@ -366,6 +212,17 @@ class PredictionParameters:
     crossed : float
         Two points exchange places if crossed steps are shorter than this share of straight ones.
         Set by hand.
+    counts_of_changes : tuple of float
+        Pseudo-counts of states (right, astray, elsewhere, mistaken) from one frame to the next. Set
+        by hand.
+    at_first : tuple of float
+        Probabilities of states in the first frame. Set by hand.
+    counts_of_likelihoods : tuple of float
+        Pseudo-counts of likelihoods in each state; those where it is mistaken are those where
+        right. Set by hand.
+    counts_of_steps : tuple of float
+        Pseudo-counts of steps: in one state, from or to being astray, from or to being elsewhere.
+        Set by hand.
     """
 
     least_likelihood: float = 0.02
@@ -385,6 +242,23 @@ class PredictionParameters:
     most_step: float = 0.1
     step_gap: int = 5
     crossed: float = 0.5
+    counts_of_changes: tuple[tuple[float, ...], ...] = (
+        (98.7, 0.9, 0.4, 0.001),
+        (8.0, 1.6, 0.4, 0.0),
+        (0.8, 0.2, 9.0, 0.0),
+        (0.001, 0.9, 0.4, 98.7),
+    )
+    at_first: tuple[float, ...] = (0.9, 0.03, 0.04, 0.03)
+    counts_of_likelihoods: tuple[tuple[float, ...], ...] = (
+        (0.1, 0.3, 1.0, 2.0, 3.0, 3.6),
+        (2.5, 2.0, 1.8, 1.5, 1.2, 1.0),
+        (1.5, 1.5, 1.8, 1.8, 1.7, 1.7),
+    )
+    counts_of_steps: tuple[tuple[float, ...], ...] = (
+        (450.0, 40.0, 7.0, 2.0, 0.1),
+        (0.4, 0.8, 1.0, 7.6, 0.2),
+        (0.5, 0.8, 1.0, 3.7, 4.0),
+    )
 
 
 PREDICTIONS = in_force("predictions", PredictionParameters())

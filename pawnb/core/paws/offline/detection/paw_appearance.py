@@ -27,6 +27,7 @@ from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
 from pawnb.core.paws.offline.detection.features import feature_maps
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.pixels.grey import grey, has_colour
@@ -75,7 +76,7 @@ class _Reading:
         large = cv2.resize(pixels, (w, h), interpolation=cv2.INTER_LINEAR)
         level = large if large.ndim == 2 else cv2.cvtColor(large, cv2.COLOR_RGB2GRAY)
         steps = np.clip((np.arange(256) - self.black) / max(self.white - self.black, 1.0), 0, 1)
-        level = cv2.LUT(level, (steps**0.7 * 255).astype(np.uint8))
+        level = cv2.LUT(level, (steps**CAMERA.gamma * 255).astype(np.uint8))
         colour = cv2.cvtColor(large, cv2.COLOR_RGB2LAB)[..., 1:] if self.is_colour else None
         return level, colour
 
@@ -255,7 +256,7 @@ def with_paw_looks(
     """
     pictures = _pictures(views, layout, scene, lessons)
     levels = np.concatenate([grey(p.pixels).ravel()[::7] for p in pictures])
-    black, white = (float(x) for x in np.percentile(levels, (1, 99.8)))
+    black, white = (float(x) for x in np.percentile(levels, CAMERA.percentiles))
     is_colour = all(has_colour(p.pixels) for p in pictures)
     readings = [
         _Reading(
@@ -287,7 +288,7 @@ def with_paw_looks(
         for p in pictures
         if p.copies == LEARNT.paw_copies
     ]
-    usual = max(float(np.median(np.concatenate(at_clicks))), 0.1)
+    usual = max(float(np.median(np.concatenate(at_clicks))), LEARNT.paw_usual_least)
     detectors = [
         replace(detector, finds_blobs=True, appearance=replace(one, usual=usual))
         for detector, one in zip(scene.detectors, learnt, strict=True)
@@ -357,7 +358,7 @@ def _lots(
         chosen: np.ndarray = np.empty(0, int)
         if picture.whole:
             free = np.flatnonzero((near >= LEARNT.paw_doubtful) & (may >= LEARNT.paw_open))
-            weight = 1.0 / (1.0 + (near[free] / 4.0) ** 2)
+            weight = 1.0 / (1.0 + (near[free] / LEARNT.paw_background) ** 2)
             count = min(len(free), parameters.background)
             chosen = random.choice(free, count, replace=False, p=weight / weight.sum())
         taken = np.concatenate([positive, chosen])

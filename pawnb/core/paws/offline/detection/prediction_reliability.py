@@ -19,32 +19,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.detection.parameters import PREDICTIONS
+
 LIKELIHOOD_EDGES = (0.1, 0.3, 0.6, 0.9, 0.97)
-"""Likelihoods between these are one kind."""
+"""Definition: likelihoods between these are one kind; ``PREDICTIONS.counts_of_likelihoods`` are of
+these kinds."""
 STEP_EDGES = (1.0, 2.0, 3.0)
-"""Steps between these are one kind, in steps that are mostly not reached."""
+"""Definition: steps between these are one kind, in steps that are mostly not reached;
+``PREDICTIONS.counts_of_steps`` are of these kinds."""
 EXCHANGE = len(STEP_EDGES) + 1
+"""Definition: a further kind of step: places are exchanged with another point."""
 UNKNOWN = EXCHANGE + 1
-"""Further kinds of step: places are exchanged with another point; nothing to step from."""
+"""Definition: another one: there is nothing to step from."""
 
 RIGHT, ASTRAY, ELSEWHERE, MISTAKEN = 0, 1, 2, 3
+"""Definition: numbers of the states."""
 
-_CHANGE = np.array(
-    [[98.7, 0.9, 0.4, 0.001], [8.0, 1.6, 0.4, 0.0], [0.8, 0.2, 9.0, 0.0], [0.001, 0.9, 0.4, 98.7]]
-)
-"""Pseudo-counts of states from one frame to the next."""
-_AT_FIRST = np.array([0.9, 0.03, 0.04, 0.03])
-"""Probabilities of states in the first frame."""
-_LIKELIHOODS = np.array(
-    [[0.1, 0.3, 1.0, 2.0, 3.0, 3.6], [2.5, 2.0, 1.8, 1.5, 1.2, 1.0], [1.5, 1.5, 1.8, 1.8, 1.7, 1.7]]
-)
-"""Pseudo-counts of likelihoods in each state; those where it is mistaken are those where right."""
-_STEPS = np.array(
-    [[450.0, 40.0, 7.0, 2.0, 0.1], [0.4, 0.8, 1.0, 7.6, 0.2], [0.5, 0.8, 1.0, 3.7, 4.0]]
-)
-"""Pseudo-counts of steps: in one state, from or to being astray, from or to being elsewhere."""
 _STEP_OF = np.array([[0, 1, 2, 2], [1, 1, 1, 1], [2, 1, 0, 2], [2, 1, 2, 0]])
-"""Which of those goes with which change of state."""
+"""Definition: which counts of steps go with which change of state."""
 
 
 @dataclass
@@ -93,8 +85,8 @@ def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> R
     Rates
         The rates.
     """
-    change = _CHANGE + pairs.sum(axis=0)
-    likelihoods, steps = _LIKELIHOODS.copy(), _STEPS.copy()
+    change, likelihoods, steps = _counts()
+    change += pairs.sum(axis=0)
     seen = kinds >= 0
     for one in (RIGHT, ASTRAY, ELSEWHERE, MISTAKEN):
         likelihoods[one % MISTAKEN] += np.bincount(
@@ -107,7 +99,16 @@ def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> R
 
 def first_rates() -> Rates:
     """Return the rates before the recording is looked at."""
-    return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (_CHANGE, _LIKELIHOODS, _STEPS)))
+    return Rates(*(a / a.sum(axis=1, keepdims=True) for a in _counts()))
+
+
+def _counts() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the pseudo-counts of changes, likelihoods and steps."""
+    return (
+        np.array(PREDICTIONS.counts_of_changes),
+        np.array(PREDICTIONS.counts_of_likelihoods),
+        np.array(PREDICTIONS.counts_of_steps),
+    )
 
 
 def smooth_states(
@@ -145,7 +146,7 @@ def smooth_states(
     seen[..., RIGHT] *= at_clicks
     change = rates.with_steps()[steps]
     ahead, back = np.empty((n, n_points, 4)), np.ones((n, n_points, 4))
-    ahead[0] = _to_one(_AT_FIRST * seen[0])
+    ahead[0] = _to_one(np.array(PREDICTIONS.at_first) * seen[0])
     for t in range(1, n):
         ahead[t] = _to_one(np.matmul(ahead[t - 1][:, None], change[t])[:, 0] * seen[t])
     for t in range(n - 2, -1, -1):

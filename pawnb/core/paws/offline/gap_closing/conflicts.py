@@ -16,7 +16,8 @@ from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
 _VIEWS = 2
-"""So many views tell a place in space; in one alone points meet that do not meet there."""
+"""Definition: so many views tell a place in space; in one alone points meet that do not meet
+there."""
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
 _GAIN = np.array([[1 / 6], [0.5], [1.0]])
-"""How a change of acceleration in one frame changes place, speed and acceleration."""
+"""Mathematics: how a change of acceleration in one frame changes place, speed and acceleration."""
 _JUMP = np.array([[1 / 3, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.0]])
-"""Covariance of a change of speed at any moment of the frame."""
+"""Mathematics: covariance of a change of speed at any moment of the frame."""
 
 
 def process_noise_of(

@@ -61,6 +61,22 @@ class LandmarkParameters:
         What a person has put in place counts this many times as much as what was seen. Set by hand.
     tracks_steps : int
         Times that residuals are weighed anew. Set by hand.
+    flow_steps : int
+        Most steps of the optical flow on each level; OpenCV's usual number is 30. Set by hand.
+    flow_ends_px : float
+        Step, px, at which it ends. The
+        default of OpenCV's calcOpticalFlowPyrLK.
+    flow_levels : int
+        Pyramid levels of the flow from frame to frame. The
+        default of OpenCV's calcOpticalFlowPyrLK.
+    align_levels : int
+        Pyramid levels where a patch is laid on a place that is nearly known. Set by hand.
+    larger : float
+        Windows with too little texture become so many times larger. Set by hand.
+    gains : tuple of float
+        Contrast of a patch is changed by no less and no more than this. Set by hand.
+    least_clear : float
+        Standard deviations are those of a likeness of this, at least. Set by hand.
     """
 
     window_share: float = 0.02
@@ -87,6 +103,13 @@ class LandmarkParameters:
     tracks_tail: float = 3.0
     by_hand: float = 10.0
     tracks_steps: int = 4
+    flow_steps: int = 20
+    flow_ends_px: float = 0.01
+    flow_levels: int = 3
+    align_levels: int = 1
+    larger: float = 1.5
+    gains: tuple[float, float] = (0.5, 2.0)
+    least_clear: float = 0.3
 
 
 LANDMARKS = in_force("landmarks", LandmarkParameters())

@@ -21,10 +21,6 @@ from pawnb.core.paws.offline.landmarks.parameters import LANDMARKS
 from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.rig import Rig
 
-_STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01)
-"""Most steps of the optical flow, and the step, px, at which it ends: OpenCV's usual ones are 30
-and 0.01."""
-
 
 @dataclass
 class _Patch:
@@ -169,7 +165,7 @@ class TemplateTracker:
         largest = LANDMARKS.template_tracking_largest * self._windows[key[0]]
         while found is None and state.age <= LANDMARKS.young_frames and state.window < largest:
             # what was clicked has too little texture: its surroundings help
-            state.window = round(1.5 * state.window) // 2 * 2 + 1
+            state.window = round(LANDMARKS.larger * state.window) // 2 * 2 + 1
             found = _find(state, was, now, begin)
         state.is_seen = found is not None
         if found is None:
@@ -243,10 +239,10 @@ def _find(
 
 def _flow(was: np.ndarray, now: np.ndarray, at: np.ndarray, window: int) -> np.ndarray | None:
     """Return where optical flow takes a position; None where it does not come back."""
-    there = _lucas_kanade(was, now, at, at, window, levels=3)
+    there = _lucas_kanade(was, now, at, at, window, levels=LANDMARKS.flow_levels)
     if there is None:
         return None
-    back = _lucas_kanade(now, was, there, at, window, levels=3)
+    back = _lucas_kanade(now, was, there, at, window, levels=LANDMARKS.flow_levels)
     return None if back is None or np.linalg.norm(back - at) > LANDMARKS.back_px else there
 
 
@@ -255,8 +251,10 @@ def _lucas_kanade(
 ) -> np.ndarray | None:
     """Return where the surroundings of ``at`` are in another picture, sought from a guess."""
     first, then = (np.asarray(x, np.float32)[None, None].copy() for x in (at, guess))
+    either = cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT
+    stop = (either, LANDMARKS.flow_steps, LANDMARKS.flow_ends_px)
     found, ok, _ = cv2.calcOpticalFlowPyrLK(
-        was, now, first, then, winSize=(window, window), maxLevel=levels, criteria=_STOP,
+        was, now, first, then, winSize=(window, window), maxLevel=levels, criteria=stop,
         flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )  # fmt: skip
     place = found[0, 0].astype(float)
@@ -271,7 +269,7 @@ def _align(
     best, likeness = guess, -1.0
     for patch in patches:
         alike_lit = _in_the_light_of(patch, now, guess, window)
-        at = _lucas_kanade(alike_lit, now, patch.at, guess, window, levels=1)
+        at = _lucas_kanade(alike_lit, now, patch.at, guess, window, levels=LANDMARKS.align_levels)
         if at is None:
             continue
         alike = _correlate(patch.picture, patch.at, now, at, window)
@@ -288,7 +286,7 @@ def _in_the_light_of(patch: _Patch, now: np.ndarray, guess: np.ndarray, window: 
     Flow takes a change of brightness for motion.
     """
     own, other = _cut(patch.picture, patch.at, window), _cut(now, guess, window)
-    gain = float(np.clip(other.std() / max(float(own.std()), 1e-6), 0.5, 2.0))
+    gain = float(np.clip(other.std() / max(float(own.std()), 1e-6), *LANDMARKS.gains))
     return cv2.convertScaleAbs(patch.picture, alpha=gain, beta=other.mean() - gain * own.mean())
 
 

@@ -129,7 +129,7 @@ def join_views(
     geometry = Projection(None if layout.rig is None else layout.rig.coefs)
     d = geometry.n_coordinates
     patch_px = np.array([float(window_px(width)) for width, _ in layout.sizes])
-    sigma = LANDMARKS.tracks_sigma * patch_px / np.clip(likeness, 0.3, 1.0)
+    sigma = LANDMARKS.tracks_sigma * patch_px / np.clip(likeness, LANDMARKS.least_clear, 1.0)
     x, sd = np.full((n, n_points, d), np.nan), np.full((n, n_points, d), np.nan)
     apart = np.full((n, n_points), np.nan)
     start = uv[:, :, 0] if layout.rig is None else layout.rig.triangulate(uv).xyz

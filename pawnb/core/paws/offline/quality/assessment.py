@@ -19,6 +19,7 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits
 from pawnb.core.paws.offline.quality.measures import (
     CALIBRATED,
@@ -27,15 +28,12 @@ from pawnb.core.paws.offline.quality.measures import (
     read_labels,
 )
 from pawnb.core.paws.offline.quality.one_place import on_one_place_in_space
+from pawnb.core.paws.offline.quality.parameters import LIMITS, QUALITY
 from pawnb.core.paws.offline.quality.time_gaps import TimeGap, find_time_gaps
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 
 Verdict = Literal["good", "look", "failed"]
-
-_TELLING = 0.04
-"""A measure that takes less than this share of a point's labels is not named."""
-_MOST_REASONS = 3
 
 
 @dataclass(frozen=True)
@@ -117,8 +115,8 @@ class Quality:
     def dropped(self) -> str:
         """Return in words which frames the camera dropped."""
         n = sum(gap.frames for gap in self.gaps)
-        places = ", ".join(str(gap.after) for gap in self.gaps[:_MOST_REASONS])
-        more = len(self.gaps) - _MOST_REASONS
+        places = ", ".join(str(gap.after) for gap in self.gaps[: QUALITY.most_reasons])
+        more = len(self.gaps) - QUALITY.most_reasons
         return (
             f"{n} frame{'s were' if n > 1 else ' was'} dropped by the camera, after frame {places}"
             + (f" and {more} more" if more > 0 else "")
@@ -150,7 +148,7 @@ def assess(
     InputError
         If the tracks have no image positions.
     """
-    limits = limits or QualityLimits()
+    limits = limits or values_in_force(LIMITS)
     labels = _labels(tracks, clicks)
     chance, measures = _chances(tracks, labels, limits)
     names = [str(name) for name in tracks["keypoint"].to_numpy()]
@@ -191,7 +189,7 @@ def label_chances(
         If the tracks have no image positions.
     """
     labels = _labels(tracks, clicks)
-    chance, _ = _chances(tracks, labels, limits or QualityLimits())
+    chance, _ = _chances(tracks, labels, limits or values_in_force(LIMITS))
     for p in range(chance.shape[2]):
         chance[:, ~np.isin(np.arange(chance.shape[1]), _views_of(labels, p)), p] = np.nan
     return chance
@@ -212,7 +210,7 @@ def share_on_one_place(tracks: Tracks, clicks: pd.DataFrame | None) -> float:
     float
         0 to 1.
     """
-    left = on_one_place_in_space(_labels(tracks, clicks), QualityLimits()).left
+    left = on_one_place_in_space(_labels(tracks, clicks), values_in_force(LIMITS)).left
     return float((left < 1.0).mean(axis=(0, 1)).max(initial=0.0))
 
 
@@ -261,14 +259,14 @@ def _point_quality(
     known, found = labels.known[:, views, p], labels.found[:, views, p]
     right = _mean(chance[:, views, p])
     reasons = []
-    if (missing := _mean(~known)) >= _TELLING:
+    if (missing := _mean(~known)) >= QUALITY.telling:
         reasons.append((missing, f"{names[p]} is missing in {100 * missing:.0f} % of frames"))
     for measure in measures:
         left = np.where(known, measure.left[:, views, p], 1.0)
         taken = _mean(1.0 - left)
-        if taken >= _TELLING:
+        if taken >= QUALITY.telling:
             reasons.append((taken, _words(measure, p, names, views, left)))
-    ranked = sorted(reasons, key=lambda reason: -reason[0])[:_MOST_REASONS]
+    ranked = sorted(reasons, key=lambda reason: -reason[0])[: QUALITY.most_reasons]
     return PointQuality(
         names[p], _verdict(right, limits), right,
         measured=_mean(known & found), bridged=_mean(known & ~found), missing=missing,
@@ -280,7 +278,7 @@ def _words(
     measure: Measure, p: int, names: Sequence[str], views: np.ndarray, left: np.ndarray
 ) -> str:
     """Say what a measure has against a point, and in how many frames."""
-    hit = left < 0.75
+    hit = left < QUALITY.telling_left
     other = ""
     if measure.other is not None and hit.any():
         other = names[int(np.bincount(measure.other[:, views, p][hit]).argmax())]
@@ -294,10 +292,10 @@ def _told(points: Sequence[PointQuality]) -> tuple[str, ...]:
     said = [
         f"{p.name} ({100 * p.expected_right:.0f} % of labels expected right)"
         + "".join(f" - {reason}" for reason in p.reasons[:1])
-        for p in poor[:_MOST_REASONS]
+        for p in poor[: QUALITY.most_reasons]
     ]
-    if len(poor) > _MOST_REASONS:
-        said.append(f"and {len(poor) - _MOST_REASONS} more points")
+    if len(poor) > QUALITY.most_reasons:
+        said.append(f"and {len(poor) - QUALITY.most_reasons} more points")
     return tuple(said)
 
 

@@ -5,22 +5,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit, ndtr
 
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.core.paws.offline.quality.signs import Signs
 
-_WEIGHTS = np.array([0.45, 0.22, 0.35, -0.7, 0.39, 0.89])
-_OFFSET = 1.8
-"""Of the columns of :class:`.signs.Signs`, fitted to 1038 marks of camel, dog, fly, horse and mouse
-from below with 1, 2, 3 and 5 clicked frames (the mouse 1 and 2), 18 runs, by
-``benchmarks/learn_calibration.py``. The offset is 0.5 below the fit, as good that is said in vain
-costs more than a look. Of clips that weights were not learnt from, 15 of 18 verdicts are right and
-none is too kind, the area under the ROC curve is 0.89, and 58 % of wrong labels are doubted, 7 % of
-right ones. Without what left-out clicks say: 14, 0.88, 50 and 7 %; without looks along stretches
-15, 0.89, 55 and 8 %."""
-_CLICK_SD, _ASTRAY_SD = 0.014, 0.4
-"""Standard deviations of labels that are right, and of those that are astray, in extents."""
 _BEYOND, _LIMIT = 0.05, 1.96
-"""Share outside of 95 % limits, and where they are, in standard deviations."""
+"""Definition: share outside of 95 % limits, and where they are, in standard deviations."""
 _HALVINGS = 40
+"""Numerics: halvings of an interval, to one part in 1e12."""
 
 
 def probability_right(signs: Signs) -> np.ndarray:
@@ -30,7 +21,7 @@ def probability_right(signs: Signs) -> np.ndarray:
 
 def log_odds(columns: np.ndarray) -> np.ndarray:
     """Return the log-odds (n,) of that, of columns (n, 6) of :class:`.signs.Signs`."""
-    return np.asarray(columns @ _WEIGHTS + _OFFSET)
+    return np.asarray(columns @ np.array(QUALITY.weights) + QUALITY.offset)
 
 
 def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float | np.ndarray) -> np.ndarray:
@@ -54,7 +45,7 @@ def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float | np.nda
     ndarray
         1.96 of it hold 95 %.
     """
-    near, far = np.hypot(sd, _CLICK_SD * extent), np.hypot(sd, _ASTRAY_SD * extent)
+    near, far = np.hypot(sd, QUALITY.click_sd * extent), np.hypot(sd, QUALITY.astray_sd * extent)
     low, high = np.zeros(np.shape(far)), _LIMIT * far
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

@@ -16,11 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import expit
 
 from pawnb.core.paws.offline.quality.calibration import log_odds
-
-_SD = 0.5
-"""Standard deviation, in log-odds, of recordings about none and of points about their recording.
-With 0.5, 1 and 2 the area under the ROC curve is 0.885, 0.884 and 0.881 on clips that weights were
-not learnt from."""
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 
 
 @dataclass(frozen=True)
@@ -78,7 +74,9 @@ def _offset(right: np.ndarray, odds: np.ndarray, middle: float) -> float:
     """Return the offset that is likeliest with a normal prior about ``middle``."""
 
     def slope(offset: float) -> float:
-        return float((right - expit(odds + offset)).sum() - (offset - middle) / _SD**2)
+        return float(
+            (right - expit(odds + offset)).sum() - (offset - middle) / QUALITY.left_out_sd**2
+        )
 
-    reach = (len(right) + 1) * _SD**2
+    reach = (len(right) + 1) * QUALITY.left_out_sd**2
     return float(brentq(slope, middle - reach, middle + reach))

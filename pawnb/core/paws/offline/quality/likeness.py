@@ -12,22 +12,13 @@ import pandas as pd
 
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.quality.measures import CALIBRATED, LIKENESS, read_labels
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.pixels.grey import grey
 from pawnb.schema import Tracks
 
-_REACH = 0.07
-"""Half the side of what is compared, in body sizes: a paw and little of what is about it. 0.05 and
-0.1 tell right from wrong labels as well."""
-_SIDE = 21
-"""Pixels along it after it was scaled: no more can be expected to look alike again."""
-_SPARE = 3
-"""Pixels by which a label may be off: half of what counts as right."""
-_STAYED_PX = 1.0
 _EVEN = 1e-3
-"""Grey values that differ by less are even."""
-_MOST_FRAMES = 40
-"""A share is known to 8 % from so many labels."""
+"""Guard: grey values that differ by less are even, and have no correlation."""
 
 
 def measure_likeness(views: Views, tracks: Tracks, clicks: pd.DataFrame) -> np.ndarray:
@@ -67,13 +58,13 @@ def measure_likeness(views: Views, tracks: Tracks, clicks: pd.DataFrame) -> np.n
                 clicked.setdefault((v, p), []).append(what)
     frames = tracks["frame"].to_numpy()
     rows = np.flatnonzero(~np.isin(frames, clicks["frame"]))
-    few = np.unique(np.linspace(0, max(len(rows) - 1, 0), _MOST_FRAMES).astype(int))
+    few = np.unique(np.linspace(0, max(len(rows) - 1, 0), QUALITY.likeness_frames).astype(int))
     for t in rows[few[: len(rows)]].tolist():
         pictures = views.frame(int(frames[t]))
         for (v, p), patterns in clicked.items():
             where = _about(
                 pictures[names[v]], labels.uv[t, v, p], sizes[v],
-                body=labels.body_px[v], spare=_SPARE,
+                body=labels.body_px[v], spare=QUALITY.likeness_spare,
             )  # fmt: skip
             if where is not None:
                 found[t, v, p] = max(_correlation(where, pattern) for pattern in patterns)
@@ -89,8 +80,10 @@ def _about(
     u, v = at
     if not (-0.5 <= u <= size[0] - 0.5 and -0.5 <= v <= size[1] - 0.5):
         return None
-    side = _SIDE + 2 * spare
-    scale = max(2.0 * _REACH * body / _SIDE, 0.25)
+    side = QUALITY.likeness_side + 2 * spare
+    scale = max(
+        2.0 * QUALITY.likeness_reach * body / QUALITY.likeness_side, QUALITY.likeness_finest
+    )
     reach = int(np.ceil(0.5 * side * scale)) + 2
     left, top = round(float(u)) - reach, round(float(v)) - reach
     u0, v0 = max(left, 0), max(top, 0)
@@ -152,6 +145,6 @@ def keep_likeness(old: Tracks, new: Tracks) -> Tracks:
     before, now = (
         tracks["image_position"].transpose(*dims, "image_space").to_numpy() for tracks in (old, new)
     )
-    stayed = np.linalg.norm(now - before, axis=-1) < _STAYED_PX
+    stayed = np.linalg.norm(now - before, axis=-1) < QUALITY.stayed_px
     values = np.where(stayed, old[LIKENESS].transpose(*dims).to_numpy(), np.nan)
     return new.assign({LIKENESS: (dims, values, {"units": "1"})})

@@ -17,6 +17,7 @@ from scipy.special import expit, logit
 
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
 from pawnb.core.paws.offline.quality.one_place import on_one_place, on_one_place_in_space
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.schema import Tracks
 
 CALIBRATED = "is_probability"
@@ -27,22 +28,10 @@ LIKENESS = "image_likeness"
 """Variable of tracks: how much pictures at labels look like those at clicks of the point, -1 to 1;
 NaN where it was not measured (:mod:`.likeness`)."""
 
-_SURE = 0.9
-"""Looks lower a label that is sure to this by all else as odds do."""
-_ALIKE, _ALIKE_AGAINST = 3.9, -1.95
-"""A likeness s adds ``_ALIKE_AGAINST + _ALIKE * s`` to the log-odds of being right: fitted to
-labels of two trackers in four real clips with marks (mouse in a wheel, mouse from below, horse,
-fly)."""
-_ALONE = 0.75
-"""Looks alone make no label surer than this: a point may ride on what looks alike, such as the
-other hind paw. Of 165 labels in seven real clips that look best, 0.8 and more, 70 % are right."""
-_USUAL_SHARE, _USUAL_WEIGHT = 0.3, 0.5
-"""Share of labels that were right there, and how much it counts beside a point's own labels, which
-follow each other and tell less than so many by themselves."""
-
 _ROUNDS = 30
+"""Numerics: rounds of a fixed-point iteration."""
 _MOST_FRAMES = 1000
-"""The usual size is estimated from so many frames, spread evenly."""
+"""Resource: the usual size is the median of so many frames, spread evenly."""
 
 
 def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
@@ -199,7 +188,8 @@ def _beyond_the_body(labels: Labels, limits: QualityLimits, trust: np.ndarray) -
         others = np.delete(sound, p, axis=2)
         middle = _middle(others)
         away[:, :, p] = np.linalg.norm(labels.uv[:, :, p] - middle, axis=-1) / labels.body_px
-    left = _falling(away, limits.beyond, 1.4 * limits.beyond, 0.1)
+    far, least = QUALITY.beyond_fall
+    left = _falling(away, limits.beyond, far * limits.beyond, least)
     return Measure("{point} lies further from the others than the body is long", left)
 
 
@@ -217,7 +207,8 @@ def _leaps(labels: Labels, limits: QualityLimits) -> Measure:
         moved = np.linalg.norm(np.diff(labels.uv, axis=0), axis=-1) / labels.body_px[:, None]
         step[1:] = moved
         step[:-1] = np.fmax(step[:-1], moved)
-    left = _falling(step, limits.leap, 1.4 * limits.leap, 0.3)
+    far, least = QUALITY.leap_fall
+    left = _falling(step, limits.leap, far * limits.leap, least)
     return Measure("{point} leaps further than any animal moves in one frame", left)
 
 
@@ -263,7 +254,7 @@ def _passes_apart(tracks: Tracks, labels: Labels) -> Measure:
     left = np.ones(labels.origin.shape)
     if "passes_apart" in tracks:
         apart = tracks["passes_apart"].isel(individual=0).to_numpy()
-        left = in_views(_falling(apart, 3.0, 8.0, 0.3), labels)
+        left = in_views(_falling(apart, *QUALITY.passes_fall), labels)
     return Measure("passes forwards and backwards disagree about {point}", left)
 
 
@@ -271,13 +262,14 @@ def _views_disagree(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Me
     off = tracks["residual"].isel(individual=0).to_numpy()[:, None] / labels.body_px[:, None]
     if "image_residual" in tracks:
         off = tracks["image_residual"].isel(individual=0).to_numpy() / labels.body_px[:, None]
-    left = _falling(off, limits.right, 3.0 * limits.right, 0.1)
+    far, least = QUALITY.disagree_fall
+    left = _falling(off, limits.right, far * limits.right, least)
     return Measure("the picture has {point} elsewhere than the other views", left)
 
 
 def _hardly_recognised(tracks: Tracks, labels: Labels) -> Measure:
     confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
-    left = np.where(labels.found, _falling(1.0 - confidence, 0.7, 1.0, 0.5), 1.0)
+    left = np.where(labels.found, _falling(1.0 - confidence, *QUALITY.hardly_fall), 1.0)
     return Measure("{point} is hardly recognised", left)
 
 
@@ -290,12 +282,12 @@ def _looks_otherwise(tracks: Tracks, labels: Labels) -> Measure:
         alike = np.where(labels.found, alike, np.nan)
         rows = np.arange(len(alike))
         for p in np.flatnonzero(np.isfinite(alike).any(axis=(0, 1))).tolist():
-            odds = _ALIKE_AGAINST + _ALIKE * alike[:, :, p]
+            odds = QUALITY.alike_against + QUALITY.alike * alike[:, :, p]
             if alone[p]:
                 share = _share_alike(odds[np.isfinite(odds)])
-                chance = np.minimum(expit(odds + logit(share)), _ALONE)
+                chance = np.minimum(expit(odds + logit(share)), QUALITY.alone)
             else:
-                chance = expit(logit(_SURE) + np.minimum(odds, 0.0)) / _SURE
+                chance = expit(logit(QUALITY.sure) + np.minimum(odds, 0.0)) / QUALITY.sure
             for v in np.flatnonzero(np.isfinite(chance).any(axis=0)).tolist():
                 at = np.flatnonzero(np.isfinite(chance[:, v]))
                 left[:, v, p] = np.interp(rows, at, chance[at, v])
@@ -305,10 +297,11 @@ def _looks_otherwise(tracks: Tracks, labels: Labels) -> Measure:
 
 def _share_alike(odds: np.ndarray) -> float:
     """Return the share of labels that is most likely, by what looks add to their log-odds."""
-    share = _USUAL_SHARE
+    usual, weight = QUALITY.usual_share, QUALITY.usual_weight
+    share = usual
     for _ in range(_ROUNDS):
         own = expit(odds + logit(share)).mean()
-        share = float(own + _USUAL_WEIGHT * _USUAL_SHARE) / (1.0 + _USUAL_WEIGHT)
+        share = float(own + weight * usual) / (1.0 + weight)
     return share
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import binary_opening
 
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 
 
 def on_one_place(labels: Labels, limits: QualityLimits) -> Measure:
@@ -35,7 +36,10 @@ def on_one_place_in_space(labels: Labels, limits: QualityLimits) -> Measure:
         away = np.linalg.norm(labels.space[:, p] - labels.space[:, q], axis=-1)
         # what is not known is NaN and compares as False
         return np.asarray(
-            away < min(limits.beside_in_space * body, 0.5 * labels.clicked_apart[p, q])
+            away
+            < min(
+                limits.beside_in_space * body, QUALITY.shared_clicked * labels.clicked_apart[p, q]
+            )
         )
 
     return _shared(labels, near, limits.beside_in_space_s)
@@ -51,6 +55,6 @@ def _shared(labels: Labels, near: Callable[[int, int], np.ndarray], shortest_s: 
         lasts = binary_opening(near(p, q), lasting)
         shared[lasts, p] = shared[lasts, q] = True
         other[lasts, p], other[lasts, q] = q, p
-    left = np.where(shared, 0.5, 1.0)
+    left = np.where(shared, QUALITY.shared_left, 1.0)
     others = np.repeat(other[:, None], n_views, axis=1)
     return Measure("{point} and {other} lie on one place", in_views(left, labels), others)

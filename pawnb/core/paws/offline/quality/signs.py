@@ -14,19 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.association.estimates import Estimates
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 
 SIGNS = {
     "motion": 1, "look": 1, "look_along": 1, "broken": -1, "usual_look": 1,
     "left_out": 1,
 }  # fmt: skip
-"""The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
-
-_LEAST = 1e-2
-"""Agreement below this breaks a way no more."""
-_MOST = 200.0
-"""No way is broken more than this."""
-_BREAK = 0.5
-"""Agreement below this ends a stretch over which looks are averaged."""
+"""Definition: the columns of :meth:`Signs.columns`, and whether each speaks for a label or against
+it."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +62,7 @@ class Signs:
 
     def columns(self) -> np.ndarray:
         """Return the signs (n, 6) as they enter the calibration."""
-        broken = np.log1p(np.minimum(self.broken, _MOST))
+        broken = np.log1p(np.minimum(self.broken, QUALITY.broken_most))
         usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
         return np.stack([self.motion, self.look, self.look_along, broken, usual, left_out], axis=-1)
 
@@ -105,13 +100,13 @@ def read_signs(
         Of the n frames.
     """
     looks = _at_estimates(look, found)
-    stops = [*clicked, *np.flatnonzero(agreement < _BREAK).tolist()]
+    stops = [*clicked, *np.flatnonzero(agreement < QUALITY.agreement_break).tolist()]
     return Signs(
         found.probability,
         _at_estimates(motion, found),
         looks,
         mean_along(looks, stops),
-        sum_from_clicks(-np.log(np.clip(agreement, _LEAST, 1.0)), clicked),
+        sum_from_clicks(-np.log(np.clip(agreement, QUALITY.agreement_least, 1.0)), clicked),
         usual_look,
         left_out,
     )

@@ -6,10 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.schema import Tracks
-
-_GAP = 1.5
-"""Steps in time longer than this many usual ones are gaps; time stamps are rounded."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def find_time_gaps(tracks: Tracks) -> tuple[TimeGap, ...]:
     usual = float(np.median(step))
     if not usual > 0:
         return ()
-    rows = np.flatnonzero(step > _GAP * usual)
+    rows = np.flatnonzero(step > QUALITY.time_gap * usual)
     return tuple(
         TimeGap(
             int(frames[i]), max(1, round(float(np.diff(time)[i]) / usual) - int(np.diff(frames)[i]))

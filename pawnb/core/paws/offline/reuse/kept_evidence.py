@@ -22,7 +22,8 @@ from pawnb.schema import Tracks
 GONE_ON_FROM = "gone_on_from_clicks"
 """Attribute of tracks: the clicks of the runs that this one has gone on from, as JSON."""
 MOST_BYTES = 1e9
-"""Stacks of one recording are kept up to so much: 2000 frames of a view, or 500 of four."""
+"""Resource: stacks of one recording are kept up to so much: 2000 frames of a view, or 500 of
+four."""
 
 
 @dataclass(frozen=True)

@@ -105,15 +105,18 @@ def _moving(blob: Blob) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Return the frames that a blob gives: its centre, and its direction as well."""
     found = np.isfinite(blob.centre[:, 0])
     rows = np.arange(len(found))
-    if found.mean() < 0.8:
+    if found.mean() < CAMERA.body_found:
         return {}
     filled = [np.interp(rows, rows[found], blob.centre[found, d]) for d in (0, 1)]
-    centre = np.stack([_smooth(one, 1.5) for one in filled], axis=1)
+    centre = np.stack([_smooth(one, CAMERA.body_centre_sd) for one in filled], axis=1)
     frames = {"travels": (centre, np.zeros(len(rows)))}
-    clear = found & (blob.elongation > 0.15)
-    if clear.mean() > 0.5:
+    clear = found & (blob.elongation > CAMERA.body_elongation)
+    if clear.mean() > CAMERA.body_clear:
         angle = np.unwrap(2 * blob.angle[clear]) / 2
-        frames["turns"] = (centre, _smooth(np.interp(rows, rows[clear], angle), 2.0))
+        frames["turns"] = (
+            centre,
+            _smooth(np.interp(rows, rows[clear], angle), CAMERA.body_angle_sd),
+        )
     return frames
 
 
@@ -143,13 +146,13 @@ def _alikeness(
     """Return the mean correlation of the foreground with that of the clicked frames."""
     n = len(difference)
     y, x = np.mgrid[: CAMERA.body_side_px, : CAMERA.body_side_px] - CAMERA.body_side_px / 2
-    weights = np.exp(-(x**2 + y**2) / (2 * (CAMERA.body_side_px / 3.2) ** 2))
+    weights = np.exp(-(x**2 + y**2) / (2 * (CAMERA.body_side_px / CAMERA.body_window) ** 2))
     weights /= weights.sum()
-    compared = np.unique(np.linspace(0, n - 1, min(n, 60)).astype(int))
+    compared = np.unique(np.linspace(0, n - 1, min(n, CAMERA.body_compared)).astype(int))
     rotation = ViewBodyFrame(centre, angle, "", pans=False).rotations()
 
     def patch(t: int, offset: np.ndarray) -> np.ndarray:
-        A = rotation[t] * (CAMERA.body_side_px / (1.5 * extent))
+        A = rotation[t] * (CAMERA.body_side_px / (CAMERA.body_shown * extent))
         there = centre[t] + rotation[t].T @ offset
         to_patch = np.hstack([A, (CAMERA.body_side_px / 2 - A @ there)[:, None]])
         found = cv2.warpAffine(

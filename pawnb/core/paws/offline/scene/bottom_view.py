@@ -121,7 +121,9 @@ class BottomView(InSpace):
         good = [endpoint_score(one, self.limb_direction[v]) for v, one in enumerate(found)]
         _, price = self.heights(uv, [one.uv for one in found], good)
         confirmed = (price < MOVEMENT.bottom_view_reward).any(axis=1)
-        cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, MOVEMENT.bottom_view_alone)
+        cost = NETWORK_FLOW.unlike * (1.0 - good[self.view]) + np.where(
+            confirmed, 0.0, MOVEMENT.bottom_view_alone
+        )
         at = self.on_plane(uv, np.full(len(uv), self.substrate))
         kept: list[int] = []
         for i in np.argsort(cost, kind="stable").tolist():
@@ -162,14 +164,14 @@ class BottomView(InSpace):
             step = dlt.project(self.coefs[:, both], xyz) - flat
             away = (np.linalg.norm(step, axis=-1) / self.paw_width_px[both]).max(axis=1)
             # both views bear half of the distance
-            cost = (away / 0.4) ** 2 + np.tile(1.0 - good[v], len(uv))
+            cost = (away / MOVEMENT.bottom_view_apart) ** 2 + np.tile(1.0 - good[v], len(uv))
             height = xyz @ self.volume.up
             # what a paw stands on may look like one
             low = np.maximum(
                 self.substrate - MOVEMENT.bottom_view_sunk * self.paw_width - height, 0.0
             )
-            cost += 0.5 * (low / (0.5 * self.paw_width)) ** 2
-            cost[(away > 0.4) | ~self.volume.holds(xyz)] = np.inf
+            cost += 0.5 * (low / (MOVEMENT.bottom_view_sunk_sd * self.paw_width)) ** 2
+            cost[(away > MOVEMENT.bottom_view_apart) | ~self.volume.holds(xyz)] = np.inf
             heights.append(height.reshape(pair.shape[:2]))
             price.append(cost.reshape(pair.shape[:2]))
         return np.concatenate(heights, axis=1), np.concatenate(price, axis=1)
@@ -199,7 +201,9 @@ class BottomView(InSpace):
         for p in range(flat.shape[1]):
             seen = np.flatnonzero(np.isfinite(uv[:, p, 0]))
             choices = {t: self._told(uv[t, p], t, p, observations) for t in seen.tolist()}
-            known = _likeliest(choices, max(2.0 * acceleration, 0.15 * self.paw_width))
+            known = _likeliest(
+                choices, max(2.0 * acceleration, MOVEMENT.bottom_view_height_sd * self.paw_width)
+            )
             at = np.array(sorted(known), int)
             height = np.full(len(seen), self.substrate)
             if known:
@@ -249,7 +253,9 @@ def _likeliest(
                 continue
             past, cost, _ = ends[earlier]
             step = (height[good][:, None] - past) / (speed * np.sqrt(t - earlier))
-            chained = cost + 0.5 * np.minimum(step**2, 4.0 * MOVEMENT.bottom_view_new)
+            chained = cost + 0.5 * np.minimum(
+                step**2, MOVEMENT.bottom_view_step_most * MOVEMENT.bottom_view_new
+            )
             best = chained.argmin(axis=1)
             for i, j in enumerate(best.tolist()):
                 if chained[i, j] < total[i]:

@@ -59,7 +59,7 @@ def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
         still.append(stays)
         shared.append(share)
         steps.append(step)
-    if np.median(still) > CAMERA.camera_most_still or np.median(shared) < 0.5:
+    if np.median(still) > CAMERA.camera_most_still or np.median(shared) < CAMERA.camera_shared:
         return CameraMotion(to_first, pans=False)
     for t, step in enumerate(steps):
         to_first[t + 1] = to_first[t] @ step
@@ -69,11 +69,18 @@ def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
 def _step(before: np.ndarray, after: np.ndarray) -> tuple[float, float, np.ndarray]:
     """Return the share of features that stay, that follow one similarity, and this, backwards."""
     nothing = (1.0, 0.0, np.eye(3))
-    corners = cv2.goodFeaturesToTrack(before, 200, 0.01, 6)
+    corners = cv2.goodFeaturesToTrack(
+        before, CAMERA.camera_corners, CAMERA.corner_quality, CAMERA.camera_apart_px
+    )
     if corners is None or len(corners) < CAMERA.camera_fewest:
         return nothing
     moved, status, _ = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
-        before, after, corners, None, winSize=(15, 15), maxLevel=2
+        before,
+        after,
+        corners,
+        None,
+        winSize=(CAMERA.camera_window_px,) * 2,
+        maxLevel=CAMERA.feature_levels,
     )
     found = status[:, 0] > 0
     if found.sum() < CAMERA.camera_fewest:
@@ -82,7 +89,7 @@ def _step(before: np.ndarray, after: np.ndarray) -> tuple[float, float, np.ndarr
         (np.linalg.norm((moved - corners)[found, 0], axis=1) < CAMERA.camera_still_px).mean()
     )
     similarity, inliers = cv2.estimateAffinePartial2D(
-        moved[found], corners[found], ransacReprojThreshold=0.7
+        moved[found], corners[found], ransacReprojThreshold=CAMERA.camera_ransac_px
     )
     if similarity is None:
         return stays, 0.0, np.eye(3)

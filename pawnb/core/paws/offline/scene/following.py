@@ -69,7 +69,13 @@ def _displacement(
     low = np.maximum(centre - CAMERA.follow_reach * extent, 0).astype(int)
     high = np.maximum(centre + CAMERA.follow_reach * extent, 0).astype(int)
     mask[low[1] : high[1], low[0] : high[0]] = 1
-    corners = cv2.goodFeaturesToTrack(pictures[source], 150, 0.01, 4, mask=mask)
+    corners = cv2.goodFeaturesToTrack(
+        pictures[source],
+        CAMERA.follow_corners,
+        CAMERA.corner_quality,
+        CAMERA.follow_apart_px,
+        mask=mask,
+    )
     if corners is None or len(corners) < CAMERA.follow_fewest:
         return panned
     here, kept = corners, np.ones(len(corners), bool)
@@ -92,6 +98,11 @@ def _flow(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return where features are in another frame, whether they were found, and errors."""
     moved, found, error = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
-        source, target, at, None, winSize=(11, 11), maxLevel=2
+        source,
+        target,
+        at,
+        None,
+        winSize=(CAMERA.follow_window_px,) * 2,
+        maxLevel=CAMERA.feature_levels,
     )
     return moved, found, error

@@ -10,9 +10,7 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.offline.scene.camera_motion import CameraMotion
-
-_NEIGHBOURS = np.array([-48, -40, -32, -25, -18, 18, 25, 32, 40, 48])
-"""Frames from which the background of one of a moving camera is taken."""
+from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
 @dataclass(frozen=True)
@@ -59,11 +57,13 @@ def find_blob(
         The animal's.
     """
     n = len(pictures)
-    side = max(3, int(0.04 * extent) | 1)
+    side = max(3, int(CAMERA.blob_blur * extent) | 1)
     apart = np.stack([cv2.blur(d, (side, side)) for d in _differences(pictures, camera)])
     first = min(clicks)
     threshold = _threshold(apart, clicks[first], first, extent)
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (max(3, int(0.1 * extent) | 1),) * 2)
+    kernel = cv2.getStructuringElement(
+        cv2.MORPH_ELLIPSE, (max(3, int(CAMERA.blob_open * extent) | 1),) * 2
+    )
     centre = np.full((n, 2), np.nan)
     angle, elongation = np.full(n, np.nan), np.full(n, np.nan)
     begin = clicks[first].mean(axis=0)
@@ -74,22 +74,23 @@ def find_blob(
             if found is not None:
                 centre[t], angle[t], elongation[t] = found
                 last = centre[t]
-    return Blob(centre, angle, elongation, np.minimum(apart / threshold, 3.0))
+    return Blob(centre, angle, elongation, np.minimum(apart / threshold, CAMERA.blob_most))
 
 
 def _differences(pictures: np.ndarray, camera: CameraMotion) -> Iterator[np.ndarray]:
     """Yield the distance of every picture from the temporal median, float32."""
     n, height, width = pictures.shape
     if not camera.pans:
-        rows = np.unique(np.linspace(0, n - 1, min(n, 61)).astype(int))
+        rows = np.unique(np.linspace(0, n - 1, min(n, CAMERA.background_frames)).astype(int))
         background = np.median(pictures[rows], axis=0).astype(np.float32)
         for picture in pictures:
             yield np.abs(picture.astype(np.float32) - background)
         return
+    around = np.array(CAMERA.background_around)
     for t, picture in enumerate(pictures):
-        rows = np.unique(np.clip(t + _NEIGHBOURS, 0, n - 1))
+        rows = np.unique(np.clip(t + around, 0, n - 1))
         warped = []
-        for k in rows[np.abs(rows - t) >= 8]:
+        for k in rows[np.abs(rows - t) >= CAMERA.background_apart]:
             # 1 more than grey, so that 0 is outside
             one = cv2.warpPerspective(
                 pictures[k].astype(np.float32) + 1, camera.between(k, t), (width, height)
@@ -106,12 +107,16 @@ def _differences(pictures: np.ndarray, camera: CameraMotion) -> Iterator[np.ndar
 
 def _threshold(apart: np.ndarray, clicked: np.ndarray, row: int, extent: float) -> float:
     """Return the difference from which on a pixel is foreground: half that about the clicks."""
-    noise = float(np.median(np.median(apart[:: max(1, len(apart) // 20)], axis=(1, 2))))
+    noise = float(
+        np.median(np.median(apart[:: max(1, len(apart) // CAMERA.noise_frames)], axis=(1, 2)))
+    )
     hull: np.ndarray = np.zeros(apart.shape[1:], np.uint8)
     cv2.fillConvexPoly(hull, cv2.convexHull(clicked.astype(np.float32)).astype(np.int32), 1)
-    hull = cv2.dilate(hull, np.ones((int(0.15 * extent) | 1,) * 2, np.uint8))
+    hull = cv2.dilate(hull, np.ones((int(CAMERA.blob_hull * extent) | 1,) * 2, np.uint8))
     about = apart[row][hull > 0]
-    return max(3 * noise + 3, 0.5 * float(np.median(about)) if len(about) else 0.0)
+    times, more = CAMERA.blob_noise
+    clear = CAMERA.blob_share * float(np.median(about)) if len(about) else 0.0
+    return max(times * noise + more, clear)
 
 
 def _blob_near(
@@ -123,7 +128,7 @@ def _blob_near(
     n, labels, stats, centres = cv2.connectedComponentsWithStats(opened)
     if n < 2:
         return None
-    away = np.linalg.norm(centres[1:] - last, axis=1) / (0.5 * extent)
+    away = np.linalg.norm(centres[1:] - last, axis=1) / (CAMERA.blob_reach * extent)
     best = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA] / (1 + away**2)))
     moments = cv2.moments((labels == best).astype(np.uint8), binaryImage=True)
     across, along = 2 * moments["mu11"], moments["mu20"] - moments["mu02"]

@@ -45,6 +45,19 @@ class MovementParameters:
     around_share : float
         Side of the square that tells a grey paw's surroundings, as a share of the picture's width.
         Set by hand.
+    bottom_view_apart : float
+        Distance, in paw widths, at which detections of two views that may be one paw cost 1;
+        farther ones are none. Set by hand.
+    bottom_view_sunk_sd : float
+        Standard deviation, in paw widths, of how much lower still they may be. Set by hand.
+    bottom_view_height_sd : float
+        Standard deviation of heights from frame to frame, in paw widths, at least. Set by hand.
+    bottom_view_step_most : float
+        A step of height costs no more than so many times beginning again, squared and halved. Set
+        by hand.
+    treadmill_long, hull_long : float
+        Paws are searched so far along the animal, in distances of front from hind paws; and where
+        ways to them may lead. Set by hand.
     """
 
     bottom_view_upright: float = 0.8
@@ -62,6 +75,12 @@ class MovementParameters:
     treadmill_rows: float = 0.25
     fastest: float = 12.0
     around_share: float = 0.06
+    bottom_view_apart: float = 0.4
+    bottom_view_sunk_sd: float = 0.5
+    bottom_view_height_sd: float = 0.15
+    bottom_view_step_most: float = 4.0
+    treadmill_long: float = 1.15
+    hull_long: float = 2.5
 
 
 MOVEMENT = in_force("movement", MovementParameters())
@@ -119,6 +138,72 @@ class RegistrationParameters:
         them. Measured: where pictures move they differ from those that flow carries by 5.6, 9.3 and
         6.3 grey values (rendered mouse, horse, camel) in 5.6 ms; with a stride of 3 and refinement
         by 5.6, 9.5 and 6.1 in 22 ms, and at a quarter of the size, in 5.6 ms, by 7.2, 10.9 and 7.1.
+    body_found : float
+        Share of frames with a blob from which on it can tell the frame. Set by hand.
+    body_centre_sd : float
+        Smoothing of its centre, frames. Set by hand.
+    body_angle_sd : float
+        Smoothing of its direction, frames. Set by hand.
+    body_elongation : float
+        Blobs have a direction from this elongation on. Set by hand.
+    body_clear : float
+        Share of frames with a direction from which on the frame may turn. Set by hand.
+    body_window : float
+        Pictures of the body are compared with a Gaussian weight whose standard deviation is their
+        side over this. Set by hand.
+    body_compared : int
+        Frames that are compared with clicked ones, at most, evenly spread. Set by hand.
+    body_shown : float
+        Extents that a picture of the body shows. Set by hand.
+    corner_quality : float
+        Corners are at least this share as good as the best (Shi & Tomasi 1994). Set by
+        hand.
+    camera_corners : int
+        Corners of a picture from which motion of the camera is found, at most. Set by hand.
+    camera_apart_px : int
+        They are so far apart, px. Set by hand.
+    camera_window_px : int
+        Side of the window by which they are followed, px. Set by hand.
+    feature_levels : int
+        Pyramid levels of that, besides the picture. Set by hand.
+    camera_ransac_px : float
+        Distance, px, up to which a feature goes with the camera. Set by hand.
+    camera_shared : float
+        Share of features that go with one motion from which on the camera has it. Set by hand.
+    follow_corners : int
+        Corners of the animal that are followed, at most. Set by hand.
+    follow_apart_px : int
+        They are so far apart, px. Set by hand.
+    follow_window_px : int
+        Side of the window by which they are followed, px. Set by hand.
+    blob_blur : float
+        Side of the blur of differences from the background, in extents. Set by hand.
+    blob_open : float
+        Diameter of what closes and opens the foreground, in extents: takes tails and limbs away.
+        Set by hand.
+    blob_hull : float
+        What lies so far about the clicks is the animal's, in extents. Set by hand.
+    blob_noise : tuple of float
+        Foreground differs by so many times the noise and so many grey values. Set by hand.
+    blob_share : float
+        And by this share of what the animal does about the clicks. Set by hand.
+    blob_most : float
+        Differences count no more than so many times that limit. Set by hand.
+    blob_reach : float
+        Blobs so far from the last one, in extents, count half their size. Set by hand.
+    background_frames : int
+        Frames whose median is the background of a camera that stands. Set by hand.
+    background_around : tuple of float
+        Frames, from each, from which the background of a moving camera is taken. Set by hand.
+    background_apart : int
+        At the ends of a recording, only those of them that are so many frames away. Set by hand.
+    percentiles : tuple of float
+        Percentiles of grey values that become black and white. Set by hand.
+    gamma : float
+        Power of grey values: dark animals are seen more clearly. Set by hand.
+    noise_frames : int
+        Frames, evenly spread, of whose differences from the background the median is the noise. Set
+        by hand.
     """
 
     body_side_px: int = 48
@@ -139,6 +224,37 @@ class RegistrationParameters:
     colour_from: float = 2.0
     shrunk: float = 0.75
     flow_stride: int = 5
+    body_found: float = 0.8
+    body_centre_sd: float = 1.5
+    body_angle_sd: float = 2.0
+    body_elongation: float = 0.15
+    body_clear: float = 0.5
+    body_window: float = 3.2
+    body_compared: int = 60
+    body_shown: float = 1.5
+    corner_quality: float = 0.01
+    camera_corners: int = 200
+    camera_apart_px: int = 6
+    camera_window_px: int = 15
+    feature_levels: int = 2
+    camera_ransac_px: float = 0.7
+    camera_shared: float = 0.5
+    follow_corners: int = 150
+    follow_apart_px: int = 4
+    follow_window_px: int = 11
+    blob_blur: float = 0.04
+    blob_open: float = 0.1
+    blob_hull: float = 0.15
+    blob_noise: tuple[float, float] = (3.0, 3.0)
+    blob_share: float = 0.5
+    blob_most: float = 3.0
+    blob_reach: float = 0.5
+    background_frames: int = 61
+    background_around: tuple[int, ...] = (-48, -40, -32, -25, -18, 18, 25, 32, 40, 48)
+    background_apart: int = 8
+    percentiles: tuple[float, float] = (1.0, 99.8)
+    gamma: float = 0.7
+    noise_frames: int = 20
 
 
 CAMERA = in_force("registration", RegistrationParameters())

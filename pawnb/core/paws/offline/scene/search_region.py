@@ -70,10 +70,10 @@ class SearchRegion:
         for v, size in enumerate(sizes):
             # what is far to the side is not occluded from below
             broad = MOVEMENT.broad_below if from_below[v] else MOVEMENT.treadmill_broad
-            corners = projection.project(self._box(1.15, broad))[:, v]
+            corners = projection.project(self._box(MOVEMENT.treadmill_long, broad))[:, v]
             low, high = corners.min(axis=0), corners.max(axis=0)
             rois.append(ROI((low + high) / 2, (high - low) / 2, size))
-            hulls.append(_hull(projection.project(self._box(2.5, broad))[:, v]))
+            hulls.append(_hull(projection.project(self._box(MOVEMENT.hull_long, broad))[:, v]))
         return rois, hulls
 
     def _box(self, long: float, broad: float) -> np.ndarray:

@@ -18,9 +18,10 @@ from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame, find_body_fr
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 _KEPT_BYTES = 2e9
-"""Pictures are kept until the body's frame is known, up to so much: those of 1000 frames of four
-colour views of 2048 x 700 px in which the animal is 700 px long."""
+"""Resource: pictures are kept until the body's frame is known, up to so much: those of 1000 frames
+of four colour views of 2048 x 700 px in which the animal is 700 px long."""
 _NOTHING = np.empty((0, 0), np.uint8)
+"""Layout: a picture whose memory was given back."""
 
 
 @dataclass(frozen=True)
@@ -259,8 +260,8 @@ class _Crops:
             picture, self.kept[i] = self.kept[i], _NOTHING  # its memory is given back
             self._crop(picture)
         grey = np.stack(self.grey)
-        low, high = np.percentile(grey[::5], (1, 99.8))
-        levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** 0.7 * 255
+        low, high = np.percentile(grey[::5], CAMERA.percentiles)
+        levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** CAMERA.gamma * 255
         for picture in grey:
             cv2.LUT(picture, levels.astype(np.uint8), dst=picture)
         spacing = self.parameters.spacing

@@ -16,6 +16,7 @@ from pawnb.core.paws.offline.association.network_flow.lateral_prior import (
     LateralPrior,
     learn_lateral_prior,
 )
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.triangulation import (
     PointHypotheses,
     StereoMatcher,
@@ -208,7 +209,8 @@ class SingleView(_Views):
         """Return the detections of the view as places."""
         return [
             PointHypotheses(
-                here.uv.astype(float), 1.5 * (1.0 - endpoint_score(here, self.limb_direction[0]))
+                here.uv.astype(float),
+                NETWORK_FLOW.unlike * (1.0 - endpoint_score(here, self.limb_direction[0])),
             )
             for (here,) in found
         ]
@@ -335,7 +337,7 @@ class SideViews(InSpace):
     def _matcher(self, likelihood: AppearanceLikelihood, most: int) -> StereoMatcher:
         """Return what makes places of detections."""
         return StereoMatcher(
-            self.coefs, self.volume, tolerance_px=0.8 * self.paw_width_px,
+            self.coefs, self.volume, tolerance_px=NETWORK_FLOW.tolerance * self.paw_width_px,
             likelihood=likelihood, apart=self.paw_width, most=most,
         )  # fmt: skip
 

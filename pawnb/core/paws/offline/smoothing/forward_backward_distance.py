@@ -16,6 +16,9 @@ import numpy as np
 from pawnb.core.paws.offline.smoothing import forward_backward_kernels as loops
 from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 
+_OF_JERK = 20.0
+"""Mathematics: a third difference (1, -3, 3, -1) weighs a place by the sum of its squares, 20."""
+
 
 @dataclass(frozen=True)
 class NormalEquations:
@@ -63,7 +66,7 @@ def forward_backward_distance(equations: NormalEquations) -> np.ndarray:
     W = axes @ equations.information @ axes.T
     z, jerk_mean = equations.target @ axes.T, equations.jerk_mean @ axes.T
     informative = np.trace(W, axis1=-2, axis2=-1) > 0.0
-    largest = W.max(initial=0.0) + 20.0 / equations.jerk2.min(initial=np.inf)
+    largest = W.max(initial=0.0) + _OF_JERK / equations.jerk2.min(initial=np.inf)
     W = W + SMOOTHING.forward_backward_distance_trace * largest * np.eye(d)
     forth = loops.predict(W, z, equations.jerk2, jerk_mean)
     # backwards, the change of acceleration at frame t is that at frame n - 2 - t, the other way

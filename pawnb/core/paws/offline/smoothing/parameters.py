@@ -56,6 +56,21 @@ class SmoothingParameters:
         and less where detections follow: the cycle of a paw that is occluded in every stride is no
         more than was made of it before. Without any, a paw that is seen no more once it lifts off
         goes on as it began. There the arc of its swing gives as much as the cycle. Set by hand.
+    by_hand : float
+        Standard deviation of what was placed by hand, in paw widths. Set by hand.
+    by_hand_px : float
+        And px, beside that. Set by hand.
+    alike : float
+        Standard deviation, in paw widths, of what is alike from frame to frame and does not average
+        out. Set by hand.
+    least_clear : float
+        Standard deviations are those of a detection of this quality, at least. Set by hand.
+    other_side : float
+        Detections of a view from the other side, which sees less of the paw, are so much vaguer.
+        Set by hand.
+    first_sd : float
+        Standard deviation of certain places, in paw widths, in the first path through them. Set by
+        hand.
     """
 
     association_odds_apart: float = 0.5
@@ -75,6 +90,12 @@ class SmoothingParameters:
     on_arc: float = 0.1
     refinement_pull: float = 0.05
     pull_between: float = 0.01
+    by_hand: float = 0.05
+    by_hand_px: float = 0.3
+    alike: float = 0.06
+    least_clear: float = 0.3
+    other_side: float = 1.5
+    first_sd: float = 0.3
 
 
 SMOOTHING = in_force("smoothing", SmoothingParameters())

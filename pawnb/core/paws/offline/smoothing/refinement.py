@@ -111,7 +111,8 @@ def refine(
         for step in range(SMOOTHING.refinement_steps):
             weight = _weights(x, measured, detection_probability, measurement, robust=k + step > 0)
             weight[by_hand] = np.broadcast_to(
-                1.0 / (0.05 * measurement.paw_width_px + 0.3) ** 2, weight.shape
+                1.0 / (SMOOTHING.by_hand * measurement.paw_width_px + SMOOTHING.by_hand_px) ** 2,
+                weight.shape,
             )[by_hand]
             W, z = _normal(x, measured, weight, measurement)
             expected.add(W, z, np.isfinite(measured[..., 0]))
@@ -132,7 +133,7 @@ def _smoothed(
     covariance = covariances(factors, x.shape[-1], axes=changes.axes)
     sd = np.sqrt(diagonals(covariance)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
-    alike = (0.06**2 + measurement.unsure**2) * measurement.paw_width**2
+    alike = (SMOOTHING.alike**2 + measurement.unsure**2) * measurement.paw_width**2
     not_known = np.full(x.shape[:2], np.nan)
     return SmoothedTracks(
         x,
@@ -175,16 +176,16 @@ class _Expected:
 
 def deviations(detection_probability: np.ndarray, measurement: MeasurementModel) -> np.ndarray:
     """Return standard deviations (n, P, V, C), px, of detections of a quality (n, V, C)."""
-    base = (SMOOTHING.refinement_sigma / np.clip(detection_probability, 0.3, 1.0))[
-        :, None
-    ] * _larger_deviation(measurement)[..., None]
+    base = (
+        SMOOTHING.refinement_sigma / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
+    )[:, None] * _larger_deviation(measurement)[..., None]
     return np.asarray(base * measurement.paw_width_px[:, None])
 
 
 def _larger_deviation(measurement: MeasurementModel) -> np.ndarray:
     """Return how much vaguer detections of each point and view (P, V) are."""
     # a view from the other side sees less of the paw
-    return np.where(measurement.tracked_in_view, 1.0, 1.5)
+    return np.where(measurement.tracked_in_view, 1.0, SMOOTHING.other_side)
 
 
 @dataclass(frozen=True)
@@ -238,7 +239,7 @@ def _through_places(
     """Return the smoothest path through the certain places, and room for its factors."""
     n, n_points, d = start.shape
     places = np.where(gap_closing.is_open[..., None], held, start)
-    information = 1.0 / (0.3 * measurement.paw_width) ** 2
+    information = 1.0 / (SMOOTHING.first_sd * measurement.paw_width) ** 2
     x = np.empty_like(start)
     factors = np.empty((n_points, n * d, 3 * d + 1))
     for p in range(n_points):
@@ -292,7 +293,7 @@ def _weights(
     """Return the weight (n, P, V), px^-2, of each measurement: less for doubtful ones."""
     base = (
         SMOOTHING.refinement_sigma
-        / np.clip(detection_probability, 0.3, 1.0)
+        / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
         * _larger_deviation(measurement)
     )
     weight = 1.0 / (base * measurement.paw_width_px) ** 2

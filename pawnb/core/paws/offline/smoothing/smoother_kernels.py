@@ -11,7 +11,7 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _THIRD = (-1.0, 3.0, -3.0, 1.0)
-"""Weights of the third difference."""
+"""Mathematics: weights of the third difference."""
 
 
 @compiled

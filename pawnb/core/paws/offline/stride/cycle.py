@@ -17,6 +17,12 @@ from scipy.ndimage import correlate1d, gaussian_filter1d
 
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 
+_FINER = 5
+"""Numerics: the periodogram has so many times the frequencies that frames tell, so that its highest
+peak lies near one of them."""
+_TRUNCATED = 4.0
+"""Numerics: standard deviations at which a Gaussian window ends, as in SciPy."""
+
 
 @dataclass(frozen=True)
 class Cycle:
@@ -133,8 +139,7 @@ def _stride(along: np.ndarray, seen: np.ndarray, frames: tuple[float, float]) ->
     low, high = 1.0 / min(frames[1], n / 2.0), 1.0 / frames[0]
     if low >= high:
         return None
-    # five times as many frequencies as frames tell
-    size = next_fast_len(5 * n)
+    size = next_fast_len(_FINER * n)
     frequency = np.arange(size // 2 + 1) / size
     wave = np.abs(np.fft.rfft(np.where(seen, along, 0.0), size, axis=0)) ** 2
     within = (frequency >= low) & (frequency <= high)
@@ -151,9 +156,9 @@ def _common_phase(along: np.ndarray, seen: np.ndarray, stride: float) -> np.ndar
     weight = gaussian_filter1d(seen.astype(float), width, axis=0, mode="constant") + 1e-9
     real = gaussian_filter1d(part.real, width, axis=0, mode="constant") / weight
     imaginary = gaussian_filter1d(part.imag, width, axis=0, mode="constant") / weight
-    own = (real + 1j * imaginary) * np.minimum(weight * 3.0, 1.0)
+    own = (real + 1j * imaginary) * np.minimum(weight * STRIDE.cycle_full, 1.0)
     common = own[:, :1]
-    for _ in range(5):
+    for _ in range(STRIDE.cycle_phase_rounds):
         lag = (own * common.conj()).sum(axis=0)
         common = (own * np.exp(-1j * np.angle(lag))).sum(axis=1, keepdims=True)
     return np.asarray(time / stride + np.unwrap(np.angle(common[:, 0])) / (2 * np.pi))
@@ -194,8 +199,8 @@ def _closed_curve(
     basis, third = _basis(phase[seen])
     places, trust = x[seen], trust[seen]
     weight = trust
-    stiff = 0.005 * len(places)
-    for _ in range(4):
+    stiff = STRIDE.cycle_stiff * len(places)
+    for _ in range(STRIDE.cycle_curve_rounds):
         N = (
             basis.T @ (basis * weight[:, None])
             + stiff * (third.T @ third)
@@ -204,7 +209,7 @@ def _closed_curve(
         curve = np.linalg.solve(N, basis.T @ (places * weight[:, None]))
         square = ((places - basis @ curve) ** 2).mean(axis=1)
         scale = max(float(np.median(square)), 1e-12)
-        weight = trust / (1.0 + square / (6.0 * scale))
+        weight = trust / (1.0 + square / (STRIDE.cycle_tail * scale))
     return curve, weight
 
 
@@ -249,11 +254,11 @@ def _correction(
         step = np.where(seen[:, p, None], relative[:, p] - _at(curve, phase), 0.0)
         square = (step**2).sum(axis=1)
         scale = np.median(square[seen[:, p]]) + 1e-12
-        weight = seen[:, p] / (1.0 + square / (6.0 * scale))
+        weight = seen[:, p] / (1.0 + square / (STRIDE.cycle_tail * scale))
         normal += weight[:, None, None] * (by @ by.transpose(0, 2, 1))
         target += weight[:, None] * (by @ step[..., None])[..., 0]
     change = _local_line(normal, target, STRIDE.cycle_window * stride)
-    return np.clip(change[:, 0], -0.1, 0.1), change[:, 1:]
+    return np.clip(change[:, 0], -STRIDE.cycle_most_shift, STRIDE.cycle_most_shift), change[:, 1:]
 
 
 def _local_line(normal: np.ndarray, target: np.ndarray, width: float) -> np.ndarray:
@@ -263,7 +268,7 @@ def _local_line(normal: np.ndarray, target: np.ndarray, width: float) -> np.ndar
     of it is missing, a mean would lag behind.
     """
     n, k = target.shape
-    time = np.arange(-(m := int(4.0 * width + 0.5)), m + 1) / width
+    time = np.arange(-(m := int(_TRUNCATED * width + 0.5)), m + 1) / width
     window = np.exp(-0.5 * time**2) / (width * np.sqrt(2.0 * np.pi))
     big, right = np.empty((n, 2 * k, 2 * k)), np.empty((n, 2 * k))
     for i in range(2):
@@ -283,12 +288,12 @@ def _spread(
     """Return the standard deviations (n, d) of expectations, by phase."""
     a, _, _ = _weights(phase[seen])
     # a few wrong tracklets must not make every expectation vague
-    part = np.minimum(away[seen], 16.0 * np.median(away[seen], axis=0))
+    part = np.minimum(away[seen], STRIDE.cycle_farthest * np.median(away[seen], axis=0))
     total = np.stack([np.bincount(a, column, STRIDE.cycle_bins) for column in part.T], axis=1)
     count = np.bincount(a, minlength=STRIDE.cycle_bins).astype(float)[:, None]
-    total = gaussian_filter1d(total, 1.5, axis=0, mode="wrap")
-    count = gaussian_filter1d(count, 1.5, axis=0, mode="wrap")
+    total = gaussian_filter1d(total, STRIDE.cycle_sd_bins, axis=0, mode="wrap")
+    count = gaussian_filter1d(count, STRIDE.cycle_sd_bins, axis=0, mode="wrap")
     typical = total.sum(axis=0) / max(count.sum(), 1e-9)
-    square = (total + 2.0 * typical) / (count + 2.0)
+    square = (total + STRIDE.cycle_typical * typical) / (count + STRIDE.cycle_typical)
     square = square + unsure**2 + noise**2
     return np.sqrt(_at(square, phase))

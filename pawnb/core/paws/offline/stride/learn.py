@@ -13,6 +13,7 @@ from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor, learn_duty_factor
 from pawnb.core.paws.offline.stride.model import StrideModel
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance, learn_liftoff_velocity
 from pawnb.core.paws.offline.stride.swing import Swings, learn_swings
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
@@ -71,7 +72,7 @@ def learn_stride(
     shortest, longest = gait.stride_s
     cycle = learn_cycle(
         smoothed.x, body, axes=motion_model.axes, frames=(shortest * gait.fps, longest * gait.fps),
-        noise=0.25 * motion_model.paw_width,
+        noise=STRIDE.cycle_noise * motion_model.paw_width,
         trust=np.where(lost, 0.0, 1.0 / (1.0 + (sd / TREADMILL.learnt_from) ** 2)),
     )  # fmt: skip
     swings = _swings(smoothed, gap_closing, stances, duty_factor, lost=lost, gait=gait)

@@ -162,6 +162,27 @@ class StrideParameters:
         A swing that is seen no higher than so many paw widths says nothing of heights. Set by hand.
     swing_trajectory_seen : float
         Weight from which a place counts as seen. Set by hand.
+    cycle_full : float
+        A phase counts fully where more than one over this of the frames about it show the point.
+        Set by hand.
+    cycle_phase_rounds : int
+        Times that points are brought to one phase. Set by hand.
+    cycle_stiff : float
+        Weight of third differences of the cycle's curve, for each place. Set by hand.
+    cycle_curve_rounds : int
+        Times that the curve is found while places far from it count less. Set by hand.
+    cycle_tail : float
+        Median squares at which a place far from the cycle counts half. Set by hand.
+    cycle_most_shift : float
+        Largest correction of the phase in one round, cycles. Set by hand.
+    cycle_farthest : float
+        Median squares beyond which a place makes expectations no vaguer. Set by hand.
+    cycle_sd_bins : float
+        Smoothing of how far places are from the cycle, bins. Set by hand.
+    cycle_typical : float
+        Places that a bin is thought to hold besides, as far off as is typical. Set by hand.
+    cycle_noise : float
+        Standard deviation of a place from the cycle, in paw widths, at least. Set by hand.
     """
 
     cycle_bins: int = 48
@@ -241,6 +262,16 @@ class StrideParameters:
     aside_sd: float = 0.3
     least_high: float = 0.2
     swing_trajectory_seen: float = 0.3
+    cycle_full: float = 3.0
+    cycle_phase_rounds: int = 5
+    cycle_stiff: float = 0.005
+    cycle_curve_rounds: int = 4
+    cycle_tail: float = 6.0
+    cycle_most_shift: float = 0.1
+    cycle_farthest: float = 16.0
+    cycle_sd_bins: float = 1.5
+    cycle_typical: float = 2.0
+    cycle_noise: float = 0.25
 
 
 STRIDE = in_force("stride", StrideParameters())

@@ -9,7 +9,8 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _H, _H_SHAPE = 0.05, 0.02
-"""Steps over which it is measured how an arc changes, by differences: frames, and exponents."""
+"""Numerics: steps over which it is measured how an arc changes, by differences: frames, and
+exponents."""
 
 
 class SwingErrors(NamedTuple):
@@ -35,7 +36,11 @@ class SwingErrors(NamedTuple):
 
 @compiled
 def forward(s: float, slope: float) -> float:
-    """Return the share of the way after a share ``s`` of a swing that ends with a speed."""
+    """Return the share of the way after a share ``s`` of a swing that ends with a speed.
+
+    The polynomial of fifth degree whose jerk is least (Flash & Hogan 1985), which rests at both
+    ends, and what changes its speed at the end alone.
+    """
     cube = s * s * s
     return cube * (10.0 - 15.0 * s + 6.0 * s * s) + slope * _steeper(s)
 

@@ -109,7 +109,7 @@ def fit_leg(
     guess: FloatArray,
     image_evidence: ImageEvidence,
     prior: Prior,
-    rounds: int = 4,
+    rounds: int | None = None,
 ) -> FloatArray:
     """Return one leg's part of the pose vector, fitted with the body as it is.
 
@@ -127,7 +127,7 @@ def fit_leg(
         What the frame shows.
     prior : Prior
         What is expected of the pose.
-    rounds : int
+    rounds : int, optional
         Steps at most.
 
     Returns
@@ -139,7 +139,8 @@ def fit_leg(
     trial[numbers] = guess
     part = part_about(fitter, image_evidence, pose, leg=leg, guesses=[guess])
     shown = fitter.index.only[leg]
-    fitted, _ = fitter.fit(trial, part, prior, active=numbers, shown=shown, rounds=rounds)
+    steps = CANDIDATES.rounds_leg if rounds is None else rounds
+    fitted, _ = fitter.fit(trial, part, prior, active=numbers, shown=shown, rounds=steps)
     return fitted[numbers]
 
 

@@ -16,6 +16,9 @@ from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
 from pawnb.core.sorting_kernels import ascending
 
+_FAR = 1e18
+"""Guard: farther than anything, squared px."""
+
 
 class LimbSearch(NamedTuple):
     """How limbs are searched for: the ``limb_...`` of the stage, where unit and evidence stand.
@@ -191,7 +194,7 @@ def _unlike(
 @compiled_loosely
 def point_to_chain(u: float, v: float, chain: np.ndarray, n: int) -> float:
     """Return the squared distance of a place to a chain of n segments."""
-    best = 1e18
+    best = _FAR
     for s in range(n):
         du, dv = chain[s + 1, 0] - chain[s, 0], chain[s + 1, 1] - chain[s, 1]
         square = max(du * du + dv * dv, 1e-9)

@@ -66,6 +66,13 @@ class CandidateParameters:
         Share of a step that is expected again on the way back. Set by hand.
     most_back : int
         Frames that a leg is followed back from where it is found again. Set by hand.
+    leap_sds : float
+        Joints that move by so many standard deviations of how far legs stray leap: they do not go
+        on as they moved, and are followed backwards from there. Set by hand.
+    rounds_leg : int
+        Steps at most of the fit of a leg alone. Set by hand.
+    rounds_back : int
+        Steps at most of one that is followed backwards. Set by hand.
     """
 
     crossed_legs_rounds: int = 12
@@ -91,6 +98,9 @@ class CandidateParameters:
     viterbi_keep_velocity: float = 0.85
     viterbi_path_keep_velocity: float = 0.9
     most_back: int = 60
+    leap_sds: float = 6.0
+    rounds_leg: int = 4
+    rounds_back: int = 6
 
 
 CANDIDATES = in_force("candidates", CandidateParameters())

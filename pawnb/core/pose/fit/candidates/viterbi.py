@@ -113,5 +113,5 @@ def extend_trellis(
 def _velocity(moved: FloatArray, jump_px: float) -> FloatArray:
     """Return how joints go on moving, that moved so; those of a leg that leapt do not."""
     # comparisons with the NaN beyond the tip of a short leg are False
-    leap: np.ndarray = np.any(np.abs(moved) > 6 * jump_px, axis=(1, 2))
+    leap: np.ndarray = np.any(np.abs(moved) > CANDIDATES.leap_sds * jump_px, axis=(1, 2))
     return np.where(leap[:, None, None], 0.0, CANDIDATES.viterbi_keep_velocity * moved)

@@ -127,7 +127,7 @@ def _leaps(followed: Followed, paths: _Path) -> list[tuple[int, int, FloatArray]
         for t in range(len(kept) - 1, 0, -1):
             now = kept[t].joints[leg][paths[t][leg]]
             before = kept[t - 1].joints[leg][paths[t - 1][leg]]
-            if np.nanmax(np.abs(now - before)) > 6 * followed.jump_px:
+            if np.nanmax(np.abs(now - before)) > CANDIDATES.leap_sds * followed.jump_px:
                 leaps.append((leg, t, kept[t].legs[leg][paths[t][leg]]))
     return leaps
 
@@ -155,7 +155,7 @@ def _trace(
         image_evidence = evidence_of(fitter, choices.pose, image=choices.grey, box=choices.box)
         found = fit_leg(
             fitter, choices.pose, leg, guess=numbers + velocity, image_evidence=image_evidence,
-            prior=fitter.anatomy, rounds=6,
+            prior=fitter.anatomy, rounds=CANDIDATES.rounds_back,
         )  # fmt: skip
         out[back] = with_candidates(
             fitter, choices, {leg: [found]}, image_evidence=image_evidence, prior=fitter.anatomy

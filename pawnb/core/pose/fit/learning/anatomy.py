@@ -10,6 +10,9 @@ from pawnb.core.pose.fit.layout import N_BODY, links_of
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
 
+_UNBOUNDED = 1e9
+"""Guard: a bound that is none."""
+
 
 def parameter_kinds(animal: StickAnimal) -> tuple[IntArray, IntArray]:
     """Return where the angles and the foreshortenings are in the pose vector."""
@@ -44,7 +47,7 @@ def anatomy(animal: StickAnimal, start: FloatArray, *, foreshortening_sd: float)
     angles, lengths = parameter_kinds(animal)
     n = len(start)
     middle, precision = np.zeros(n), np.zeros(n)
-    low, high, wall = np.full(n, -1e9), np.full(n, 1e9), np.zeros(n)
+    low, high, wall = np.full(n, -_UNBOUNDED), np.full(n, _UNBOUNDED), np.zeros(n)
     natural, half = np.radians(animal.natural_deg), np.radians(animal.range_deg / 2)
     reach = LEARNING.range_more * half + np.radians(LEARNING.range_more_deg)
     more = np.radians(LEARNING.start_more_deg)

@@ -33,7 +33,7 @@ def learn_appearance(
     prior: Prior,
     blur: float,
     soft: float,
-    rounds: int = 4,
+    rounds: int | None = None,
 ) -> Layout:
     """Return the layout with thickness and darkness as the pictures have them.
 
@@ -52,7 +52,7 @@ def learn_appearance(
         What is known of poses besides their pictures.
     blur, soft : float
         As in the fit.
-    rounds : int
+    rounds : int, optional
         Gauss-Newton steps.
 
     Returns
@@ -62,7 +62,7 @@ def learn_appearance(
     """
     known = _Known(first, partner, prior, blur, soft)
     here = list(frames)
-    for _ in range(rounds):
+    for _ in range(LEARNING.look_rounds if rounds is None else rounds):
         step = _step(layout, here, known)
         share = _helpful_share(layout, here, known, step)
         if share == 0.0:

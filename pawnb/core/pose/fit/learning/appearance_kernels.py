@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.rendering.paint_kernels import egg_shape, part_dark, slope, step
+from pawnb.core.pose.fit.rendering.paint_kernels import NARROWEST, egg_shape, part_dark, slope, step
 
 
 @compiled_loosely
@@ -92,7 +92,7 @@ def body_equations(
             row[0] = edge * na * x
             row[1] = edge * nb * (y - right)
             row[2] = (here - (middle - dark) * deep) / dark
-            row[3] = edge * nb * (y - right) * a / max(1.0 + egg * a, 0.2)
+            row[3] = edge * nb * (y - right) * a / max(1.0 + egg * a, NARROWEST)
             row[4] = deep
             row[5] = -meets[part] * edge * na
             row[6], row[7] = edge * (na * cos - nb * sin), edge * (na * sin + nb * cos)

@@ -124,6 +124,8 @@ class LearningParameters:
         Frames that the look is learnt from, spread over the recording. Set by hand.
     relearn_rounds : int
         Turns of learning and fitting. Set by hand.
+    look_rounds : int
+        Steps of finding thickness and darkness. Set by hand.
     """
 
     range_more: float = 1.3
@@ -176,6 +178,7 @@ class LearningParameters:
     pose_prior_poses: int = 10
     relearn_frames: int = 12
     relearn_rounds: int = 2
+    look_rounds: int = 4
 
 
 LEARNING = in_force("learning", LearningParameters())

@@ -82,7 +82,7 @@ def _fitted(
     """Return a frame's pose, fitted again, and what the frame shows."""
     image_evidence = evidence_of(fitter, poses[i], image=found[i].grey, box=found[i].box)
     without = counted(fitter, poses[i], image_evidence)
-    return fitter.fit(poses[i], without, known, rounds=6)[0], image_evidence
+    return fitter.fit(poses[i], without, known)[0], image_evidence
 
 
 def usual_lengths(fitter: FrameFitter, poses: FloatArray) -> Prior:

@@ -26,7 +26,7 @@ from pawnb.core.pose.fit.rendering.parameters import RENDERING
 from pawnb.core.video.views import Frame
 
 _LEVELS = 200.0
-"""Steps of darkness, so that the opening works on bytes."""
+"""Layout: steps of darkness, so that the opening works on bytes."""
 
 
 class BackgroundPicture(Protocol):
@@ -103,7 +103,7 @@ class Evidence:
         """
         u0, v0, u1, v1 = box
         mean, sd = self.mean[v0:v1, u0:u1], self.sd[v0:v1, u0:u1]
-        block = max(12, int(max(image.shape) / RENDERING.blocks_across))
+        block = max(RENDERING.least_block_px, int(max(image.shape) / RENDERING.blocks_across))
         gains, counts = block_gains(image, mean, covered, block, RENDERING.black_level)
         gains = smooth_gains(gains, counts, RENDERING.light_spread)
         seen, weight = np.empty(image.shape), np.empty(image.shape)

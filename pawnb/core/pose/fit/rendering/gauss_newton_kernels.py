@@ -21,6 +21,11 @@ from pawnb.core.pose.fit.rendering.paint_kernels import (
     picture_cost,
 )
 
+_DAMPING, _EASIER, _HARDER, _LEAST, _TRIES = 1e-3, 0.2, 8.0, 1e-6, 6
+"""Numerics: the schedule of damping of a Levenberg-Marquardt descent (Marquardt 1963): first,
+after a step that helps, after one that does not, at least, and steps that are tried. It tells how
+steps are found, not where the bottom is."""
+
 
 class Prior(NamedTuple):
     """What is known of a pose before its picture is seen; all arrays (n_parameters,).
@@ -331,7 +336,7 @@ def fit_pose(
     m = active.shape[0]
     part, step = np.zeros((m, m)), np.zeros(m)
     pose = pose.copy()
-    cost, damping = 0.0, 1e-3
+    cost, damping = 0.0, _DAMPING
     moves, rest = what_moves(layout, active), np.zeros(shown.shape[0], np.bool_)
     some_rest = False
     for i in range(shown.shape[0]):
@@ -358,9 +363,9 @@ def fit_pose(
             vector,
         )
         gained = 0.0
-        for _ in range(6):
+        for _ in range(_TRIES):
             if not damped_step(matrix, vector, active, damping, part, step):
-                damping *= 8.0
+                damping *= _HARDER
                 continue
             trial = pose.copy()
             for i in range(m):
@@ -376,9 +381,9 @@ def fit_pose(
                 gained = cost - now
                 pose = trial
                 cost = now
-                damping = max(damping * 0.2, 1e-6)
+                damping = max(damping * _EASIER, _LEAST)
                 break
-            damping *= 8.0
+            damping *= _HARDER
         if gained < enough:
             break
     return pose, cost

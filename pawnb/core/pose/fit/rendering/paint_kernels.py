@@ -21,11 +21,15 @@ from pawnb.core.compiled import compiled_inside, compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 
 NOTHING = -1
-"""Number of the part where nothing is painted."""
+"""Definition: number of the part where nothing is painted."""
+NARROWEST = 0.2
+"""Guard: beyond its narrow end an egg has no width; this share of it is left there."""
+_LEVEL = 1e-3
+"""Guard: a line that rises by less, px, is level."""
 _RIM = 2.0
-"""So far inside its edge, half widths of the blur, the rim of a part of the body changes into its
-middle. No other value is possible: the change, two half widths wide, begins where the blur of the
-edge ends, so that darkness is continuous."""
+"""Mathematics: so far inside its edge, half widths of the blur, the rim of a part of the body
+changes into its middle. No other value is possible: the change, two half widths wide, begins where
+the blur of the edge ends, so that darkness is continuous."""
 
 
 @compiled_loosely
@@ -85,7 +89,7 @@ def egg_shape(
     The place is relative to the egg's middle. To first order near the outline.
     """
     a = x / half
-    wide = max(1.0 + egg * a, 0.2)  # beyond its narrow end the shape has no width
+    wide = max(1.0 + egg * a, NARROWEST)
     b = y / (across * wide)
     f = math.sqrt(a * a + b * b)
     if f < 1e-6:
@@ -167,7 +171,7 @@ def paint_leg(
         top, bottom = min(v0, v0 + dv) - reach, max(v0, v0 + dv) + reach
         for v in range(max(0, math.ceil(top)), min(height, math.floor(bottom) + 1)):
             left, right = min(u0, u0 + du) - reach, max(u0, u0 + du) + reach
-            if abs(dv) > 1e-3:  # the part of this row within reach of the endless line
+            if abs(dv) > _LEVEL:  # the part of this row within reach of the endless line
                 middle = u0 + (v - v0) * du / dv
                 half = reach * math.sqrt(square) / abs(dv)
                 left, right = max(left, middle - half), min(right, middle + half)

@@ -29,6 +29,9 @@ class RenderingParameters:
     leg_attachments_some, leg_attachments_whole : float
         Darkness of a leg, and share of the body's, from which on a pixel is partly covered, and
         share of the body's from which on it is wholly. Set by hand.
+    least_block_px : int
+        Side of the blocks for each of which the light is estimated, working px, at least. Set by
+        hand.
     """
 
     blocks_across: int = 9
@@ -40,6 +43,7 @@ class RenderingParameters:
     least_contrast: float = 16.0
     leg_attachments_some: float = 0.15
     leg_attachments_whole: float = 0.97
+    least_block_px: int = 12
 
 
 RENDERING = in_force("rendering", RenderingParameters())

@@ -30,7 +30,7 @@ from pawnb.core.pose.fit.support import body_support
 from pawnb.core.video.views import Frame
 
 HEADING = 2
-"""Where a pose vector has the heading."""
+"""Layout: where a pose vector has the heading."""
 
 
 Read = Callable[[range], Iterable[Frame]]
@@ -60,9 +60,11 @@ def fit_known(fitter: FrameFitter, frame: Frame, pose: FloatArray) -> tuple[Floa
     image_evidence, _, _ = observe(fitter, frame, pose)
     for blur in SEQUENCE.between_annotations_coarse_blurs:
         soft = blurred(image_evidence, blur)
-        pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
+        pose, _ = fitter.fit(
+            pose, soft, prior, blur=fitter.blur + blur, rounds=SEQUENCE.rounds_blurred
+        )
     image_evidence, _, _ = observe(fitter, frame, pose)
-    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
+    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.rounds_whole)
     return pose, body_support(fitter, pose, image_evidence)
 
 

@@ -37,7 +37,7 @@ def find_body(
         pose, _ = fitter.fit(
             pose, blurred(image_evidence, blur), fitter.anatomy,
             active=fitter.index.body, shown=fitter.index.body_shown, blur=fitter.blur + blur,
-            rounds=6, enough=FITTING.enough_of_body,
+            enough=FITTING.enough_of_body,
         )  # fmt: skip
         turned = radius * abs(pose[2] - expected[2])
         if np.hypot(*(pose[:2] - expected[:2])) + turned <= surely:

@@ -78,5 +78,5 @@ def fit_expected(
     """
     soft = blurred(image_evidence, SEQUENCE.coarse_blur)
     blur = fitter.blur + SEQUENCE.coarse_blur
-    pose, _ = fitter.fit(expected, soft, prior, blur=blur, rounds=2)
-    return fitter.fit(pose, image_evidence, prior, rounds=5)[0]
+    pose, _ = fitter.fit(expected, soft, prior, blur=blur, rounds=SEQUENCE.rounds_coarse)
+    return fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.rounds_next)[0]

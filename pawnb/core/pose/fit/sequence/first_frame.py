@@ -28,7 +28,7 @@ from pawnb.core.pose.fit.support import body_support
 from pawnb.core.video.views import Frame
 
 _XY = 2
-"""Parameters of a pose that say where it is; the heading comes next."""
+"""Layout: parameters of a pose that say where it is; the heading comes next."""
 
 
 def start_prior(fitter: FrameFitter, pose: FloatArray) -> Prior:
@@ -45,7 +45,7 @@ def start_prior(fitter: FrameFitter, pose: FloatArray) -> Prior:
 
 
 def fit_start(
-    fitter: FrameFitter, frame: Frame, pose: FloatArray, *, rounds: int = 3
+    fitter: FrameFitter, frame: Frame, pose: FloatArray, *, rounds: int | None = None
 ) -> tuple[FrameFitter, FloatArray, float]:
     """Fit the start frame, and learn the animal's appearance from it.
 
@@ -57,7 +57,7 @@ def fit_start(
         The start frame.
     pose : ndarray, shape (n_parameters,)
         The person's pose, working pixels.
-    rounds : int
+    rounds : int, optional
         How often pose and appearance are fitted in turn.
 
     Returns
@@ -72,14 +72,16 @@ def fit_start(
     fitter = fitter.with_initial_appearance(first_darkness(fitter, frame, pose))
     prior = start_prior(fitter, pose)
     pose = _fit_body(fitter, frame, pose, prior)
-    for turn in range(rounds):
+    for turn in range(SEQUENCE.start_rounds if rounds is None else rounds):
         image_evidence, image, box = observe(fitter, frame, pose)
         for blur in SEQUENCE.first_frame_coarse_blurs[0 if turn == 0 else 1 :]:
             soft = blurred(image_evidence, blur)
-            pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
+            pose, _ = fitter.fit(
+                pose, soft, prior, blur=fitter.blur + blur, rounds=SEQUENCE.rounds_blurred
+            )
         if fitter.settings.choose_path:
             pose = _choose(fitter, frame.index, pose, image_evidence, (image, box), prior)
-        pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
+        pose, _ = fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.rounds_whole)
         pose = _slid_along(fitter, pose, image_evidence, prior)
         fitter = fit_appearance(fitter, [(pose, image_evidence)], prior=prior)
     image_evidence, _, _ = observe(fitter, frame, pose)
@@ -111,7 +113,7 @@ def _learn_blur(
     ) -> tuple[float, FrameFitter, FloatArray]:
         for _ in range(SEQUENCE.blur_turns):
             fitter = fit_appearance(fitter, [(pose, image_evidence)], prior=prior, blur=blur)
-            pose, cost = fitter.fit(pose, image_evidence, prior, rounds=8)
+            pose, cost = fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.rounds_blurred)
         return cost, fitter, pose
 
     best = tried(fitter.blur, fitter, pose)
@@ -153,7 +155,7 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: FloatArray) -> Layou
     inside = image_evidence.seen[canvas[1] != NOTHING]
     if not inside.size:
         return fitter.layout
-    dark = float(np.clip(np.percentile(inside, 70), *SEQUENCE.dark_limits))
+    dark = float(np.clip(np.percentile(inside, SEQUENCE.dark_percentile), *SEQUENCE.dark_limits))
     layout = fitter.layout
     factor = dark / float(layout.dark.max())
     ellipse = layout.ellipse.copy()
@@ -179,7 +181,7 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: FloatArray, prior: Prior)
         soft = blurred(image_evidence, blur)
         pose, _ = fitter.fit(
             pose, soft, prior, active=np.arange(_XY), shown=shown, blur=fitter.blur + blur,
-            rounds=8,
+            rounds=SEQUENCE.rounds_blurred,
         )  # fmt: skip
     return pose
 
@@ -192,7 +194,7 @@ def _slid_along(
     The end of a leg that stops short, on a limb that goes on in a bend, feels nothing of what lies
     ahead of it.
     """
-    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
+    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.rounds_whole)
 
     numbers = fitter.index.numbers
 
@@ -208,7 +210,7 @@ def _slid_along(
     for legs, best in zip(sides, found, strict=True):
         for leg in legs:
             slid[numbers[leg]] = best[numbers[leg]]
-    return fitter.fit(slid, image_evidence, prior, rounds=8)[0]
+    return fitter.fit(slid, image_evidence, prior, rounds=SEQUENCE.rounds_blurred)[0]
 
 
 def _best_slide(
@@ -225,7 +227,7 @@ def _best_slide(
     for guess in tried:
         trial = pose.copy()
         trial[numbers] = guess
-        trial, cost = fitter.fit(trial, part, prior, active=numbers, rounds=8)
+        trial, cost = fitter.fit(trial, part, prior, active=numbers, rounds=SEQUENCE.rounds_blurred)
         if cost < least - SEQUENCE.first_frame_better:
             best, least = trial[numbers], cost
     return best
@@ -280,7 +282,7 @@ def _choose(
             guess[n:] += shorter
             fitted = fit_leg(
                 fitter, pose, leg, guess=guess, image_evidence=image_evidence, prior=prior,
-                rounds=8,
+                rounds=SEQUENCE.rounds_blurred,
             )  # fmt: skip
             found.append(fitted)
         return found

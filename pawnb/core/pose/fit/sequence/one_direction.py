@@ -205,7 +205,7 @@ class Follower:
             found = [
                 fit_leg(
                     fitter, pose, leg, guess=numbers, image_evidence=image_evidence,
-                    prior=anatomy, rounds=3,
+                    prior=anatomy, rounds=SEQUENCE.rounds_alternative,
                 )
                 for numbers in known
             ]  # fmt: skip
@@ -243,7 +243,7 @@ class Follower:
         for legs in fitter.index.sides:
             for a, b in itertools.pairwise(legs):
                 gap = np.hypot(*(joints[a] - joints[b]).T)
-                close = np.nanmin(gap[-3:]) < 2 * CANDIDATES.same_px
+                close = np.nanmin(gap[-3:]) < SEQUENCE.close * CANDIDATES.same_px
                 if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
                     doubted[[a, b]] = True
         for leg, numbers in enumerate(fitter.index.numbers):
@@ -284,7 +284,9 @@ class Follower:
         if changed:
             sd = np.full(fitter.index.n, np.inf)
             sd[fitter.index.angles] = np.radians(fitter.settings.angle_step_deg)
-            pose, _ = fitter.fit(pose, image_evidence, about(prior, pose, sd), rounds=4)
+            pose, _ = fitter.fit(
+                pose, image_evidence, about(prior, pose, sd), rounds=SEQUENCE.rounds_decided
+            )
         return choices.with_alternatives(rivals), pose
 
     def _with_jump(self, state: FollowState, expected: FloatArray, pose: FloatArray) -> FollowState:
@@ -305,7 +307,7 @@ class Follower:
         apart = np.abs(fitter.joints(pose) - fitter.joints(state.pose))
         far = apart.reshape(len(fitter.index.numbers), -1)
         for leg, numbers in enumerate(fitter.index.numbers):
-            if np.nanmax(far[leg]) > 3 * SEQUENCE.leap_px:
+            if np.nanmax(far[leg]) > SEQUENCE.leap_far * SEQUENCE.leap_px:
                 moved[numbers] = 0.0
         moved[lengths] = 0.0
         middle = state.middle + SEQUENCE.learn_length * (pose[lengths] - state.middle)

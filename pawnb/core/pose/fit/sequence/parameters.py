@@ -105,6 +105,27 @@ class SequenceParameters:
     jump_of_median, jump_frames : float or int
         Spread of the places of legs, as a multiple of how far the middle one strays over so many
         frames: a walking fly takes half a step between two frames at 25 a second. Set by hand.
+    start_rounds : int
+        Times that pose and look of the start frame are found in turn. Set by hand.
+    rounds_blurred : int
+        Steps at most of a fit to a blurred picture, of a leg alone, or from nearby. Set by hand.
+    rounds_whole : int
+        Steps at most of a fit of a whole pose that a person placed. Set by hand.
+    rounds_coarse : int
+        Steps at most of the next frame's first fit, to a more blurred picture. Set by hand.
+    rounds_next : int
+        Steps at most of its second. Set by hand.
+    rounds_alternative : int
+        Steps at most of a leg from another place in the frame before. Set by hand.
+    rounds_decided : int
+        Steps at most of a pose after legs were decided on. Set by hand.
+    leap_far : float
+        A leg that moved so many times ``leap_px`` does not go on as it moved. Set by hand.
+    close : float
+        Legs are close where their tips are within so many times ``candidates.same_px``. Set by
+        hand.
+    dark_percentile : float
+        How dark the animal is: a percentile of the pixels within its outline. Set by hand.
     """
 
     between_annotations_coarse_blurs: tuple[float, ...] = (8.0, 4.0)
@@ -151,6 +172,16 @@ class SequenceParameters:
     learn_length: float = 0.03
     jump_of_median: float = 1.5
     jump_frames: int = 30
+    start_rounds: int = 3
+    rounds_blurred: int = 8
+    rounds_whole: int = 20
+    rounds_coarse: int = 2
+    rounds_next: int = 5
+    rounds_alternative: int = 3
+    rounds_decided: int = 4
+    leap_far: float = 3.0
+    close: float = 2.0
+    dark_percentile: float = 70.0
 
 
 SEQUENCE = in_force("sequence", SequenceParameters())

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.core.compiled import compiled
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
 from pawnb.core.sorting_kernels import ascending
 
@@ -81,12 +82,14 @@ def _link_cost(
     r: float,
     occlusion_onset_cost: float,
     occlusion_frame_cost: float,
+    vague: float,
 ) -> float:
     """Return the cost of going from the end of tracklet i to the beginning of tracklet j.
 
     The least squared acceleration that joins the two ends, in units of its variance: for
     a gap of g frames, ``12 |dx|^2 / g^3 + |dv|^2 / g`` with ``dx`` what the mean of both
-    speeds does not explain. ``q`` is that variance and ``r`` the one of a place.
+    speeds does not explain. ``q`` is that variance and ``r`` the one of a place; ``vague`` is the
+    weight of how wide they let it be.
     """
     gap, d = float(heads.frame[j] - tails.frame[i]), heads.x.shape[1]
     unsure = tails.var[i] + heads.var[j]
@@ -98,14 +101,16 @@ def _link_cost(
         away += (heads.x[j, k] - tails.x[i, k] - 0.5 * (v0 + v1) * gap) ** 2
         turned += (v1 - v0) ** 2
     occluded = occlusion_onset_cost + occlusion_frame_cost * (gap - 1) if gap > 1 else 0.0
-    return 0.5 * (away / var_x + turned / var_v) + 0.15 * d * np.log(var_x / (2 * r)) + occluded
+    return 0.5 * (away / var_x + turned / var_v) + vague * d * np.log(var_x / (2 * r)) + occluded
 
 
 def _speed_variance(n: int, costs: FlowCosts) -> float:
     """Return the variance of a speed estimated from n frames."""
     if n == 1:
         return costs.speed**2
-    return min(12 * costs.noise**2 / (n * (n**2 - 1)) * (2.0 if n >= 5 else 1.0), costs.speed**2)
+    # a parabola tells its slope less well than a line does
+    more = NETWORK_FLOW.parabola_variance if n >= NETWORK_FLOW.parabola_from else 1.0
+    return min(12 * costs.noise**2 / (n * (n**2 - 1)) * more, costs.speed**2)
 
 
 def links_between(
@@ -136,7 +141,8 @@ def links_between(
     low = np.searchsorted(starts, tails.frame + 1)
     high = np.searchsorted(starts, tails.frame + costs.max_occlusion, side="right")
     lasts = np.array([len(node.detection_indices) for node in nodes])
-    worth = np.minimum(costs.occlusion_frame_cost * lasts - total_costs(nodes), 30.0)
+    worth = costs.occlusion_frame_cost * lasts - total_costs(nodes)
+    worth = np.minimum(worth, NETWORK_FLOW.most_worth)
     found = _cheapest(
         tails,
         heads,
@@ -150,6 +156,7 @@ def links_between(
             costs.noise**2,
             costs.occlusion_onset_cost,
             costs.occlusion_frame_cost,
+            NETWORK_FLOW.vague,
         ),
     )
     edges = list(zip(*(part.tolist() for part in found), strict=True))
@@ -165,7 +172,7 @@ def _cheapest(
     owner: np.ndarray,
     worth: np.ndarray,
     links: int,
-    costs: tuple[float, float, float, float],
+    costs: tuple[float, float, float, float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the cheapest links from each tracklet: from, to and cost.
 
@@ -182,7 +189,7 @@ def _cheapest(
     costs : tuple of float
         See :func:`_link_cost`.
     """
-    n, (q, r, occlusion_onset_cost, occlusion_frame_cost) = len(order), costs
+    n, (q, r, onset, each, vague) = len(order), costs
     most = n * (links + int((owner >= 0).sum()))
     tail, head, price = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
     count = 0
@@ -192,7 +199,7 @@ def _cheapest(
         for k in range(len(cost)):
             j = order[low + k]
             cost[k], dear[k] = (
-                _link_cost(tails, heads, i, j, q, r, occlusion_onset_cost, occlusion_frame_cost),
+                _link_cost(tails, heads, i, j, q, r, onset, each, vague),
                 np.inf,
             )
             if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:

@@ -21,8 +21,12 @@ from pawnb.core.paws.offline.association.network_flow.links import (
     links_back,
     links_between,
 )
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.pruning import useful_links
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
+
+_LONGEST_S = 60.0
+"""Resource: time, s, after which the best association so far is taken."""
 
 
 class MinCostFlow:
@@ -175,7 +179,7 @@ def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.nda
     if x is None or np.abs(x - np.round(x)).max() > 1e-6:
         answer = milp(
             cost, constraints=constraints, bounds=Bounds(0, 1), integrality=np.ones(len(cost)),
-            options={"mip_rel_gap": 1e-4, "time_limit": 60.0},
+            options={"mip_rel_gap": NETWORK_FLOW.solver_gap, "time_limit": _LONGEST_S},
         )  # fmt: skip
         x = answer.x
     return np.asarray(x)

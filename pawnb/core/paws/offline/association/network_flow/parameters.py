@@ -112,6 +112,62 @@ class NetworkFlowParameters:
         hand.
     at_once : int
         Frames worked on together: enough to save loops, and little memory. Set by hand.
+    vague : float
+        Weight of the logarithm of how wide the place is that a gap allows, beside the squared
+        distance from its middle; mathematics, where errors are independent, would say 0.5. Set by
+        hand.
+    most_worth : float
+        A tracklet is worth no more than this as the next one, however long. Set by hand.
+    solver_gap : float
+        Relative gap of cost at which integer programming stops. Set by hand.
+    positional_prior_blur : float
+        Blur, in spans, of the distribution of where a paw is about the body. Set by hand.
+    positional_prior_rare : float
+        Density, of the greatest, that is added everywhere before its logarithm is taken. Set by
+        hand.
+    click_alone : float
+        In a clicked frame places nearer than so many paw widths to a click are the clicked paw's.
+        Set by hand.
+    unknown_speed : float
+        Standard deviation of an unknown speed, in the greatest speed. Set by hand.
+    dearest_linked : float
+        Places dearer than this are in no tracklet. Set by hand.
+    dearest_single : float
+        The largest cost of a tracklet of one place. Set by hand.
+    ground_within : float
+        Distance, paw widths, in which steps agree with the speed of the ground. Set by hand.
+    ground_fastest : float
+        The ground goes no faster than so many times the fastest paw. Set by hand.
+    kinds_reach, kinds_sd : float
+        Distance, in spans, from where paws of its kind usually are that costs nothing, and standard
+        deviation beyond it. Set by hand.
+    kinds_farthest : float
+        Squared standard deviations beyond which it costs no more. Set by hand.
+    kinds_quantiles : tuple of float
+        Quantiles of good places at which front and hind paws are, where no click tells. Set by
+        hand.
+    gate : float
+        Squared standard deviations within which a place may follow. Set by hand.
+    clear : float
+        Squared standard deviations by which all others must be farther. Set by hand.
+    clear_near : tuple of float
+        Where the nearest is near: all others must be farther than so many times its square, and so
+        many more. Set by hand.
+    unlike : float
+        What a place costs that looks nothing like a paw; in space for each of two views. Set by
+        hand.
+    support_reach : float
+        Distance, in what two views may disagree by, at which a detection hardly counts. Set by
+        hand.
+    tolerance : float
+        Distance, in paw widths, by which two views may disagree. Set by hand.
+    ground_frames : int
+        Frames, evenly spread, from which the speed of the ground is estimated. Set by hand.
+    parabola_from : int
+        Places at an end from which on a parabola tells position and speed there, no line. Set by
+        hand.
+    parabola_variance : float
+        Variance of the speed by a parabola, in that by a line. Set by hand.
     """
 
     body_clutter_slow: float = 0.35
@@ -152,6 +208,30 @@ class NetworkFlowParameters:
     tracklets_enough: float = 0.3
     tracklets_closer: tuple[float, ...] = (1.0, 0.5)
     at_once: int = 200
+    vague: float = 0.15
+    most_worth: float = 30.0
+    solver_gap: float = 1e-4
+    positional_prior_blur: float = 0.05
+    positional_prior_rare: float = 1e-3
+    click_alone: float = 1.2
+    unknown_speed: float = 0.4
+    dearest_linked: float = 1.6
+    dearest_single: float = 0.5
+    ground_within: float = 0.3
+    ground_fastest: float = 2.0
+    kinds_reach: float = 0.33
+    kinds_sd: float = 0.1
+    kinds_farthest: float = 6.0
+    kinds_quantiles: tuple[float, ...] = (0.75, 0.25)
+    gate: float = 16.0
+    clear: float = 5.0
+    clear_near: tuple[float, float] = (4.0, 0.3)
+    unlike: float = 1.5
+    support_reach: float = 0.6
+    tolerance: float = 0.8
+    ground_frames: int = 400
+    parabola_from: int = 5
+    parabola_variance: float = 2.0
 
 
 NETWORK_FLOW = in_force("network_flow", NetworkFlowParameters())

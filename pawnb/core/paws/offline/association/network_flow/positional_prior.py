@@ -26,6 +26,10 @@ from pawnb.core.paws.offline.scene.geometry import Anchors
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.treadmill.median import median
 
+_REACH = 1.5
+"""Layout: the distribution holds distances up to so many spans; what is farther is in the
+last bins."""
+
 
 def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
     """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where occluded.
@@ -86,9 +90,19 @@ def learn_positional_prior(
             count = np.bincount(
                 _bin(part, body_scale), minlength=NETWORK_FLOW.positional_prior_bins
             ).astype(float)
-            density = gaussian_filter1d(count, 0.05 * NETWORK_FLOW.positional_prior_bins / 3.0)
+            sd = (
+                NETWORK_FLOW.positional_prior_blur
+                * NETWORK_FLOW.positional_prior_bins
+                / (2 * _REACH)
+            )
+            density = gaussian_filter1d(count, sd)
             density = density / max(density.max(), 1e-9)
-            own.append(np.minimum(-np.log(density + 1e-3), NETWORK_FLOW.positional_prior_most))
+            own.append(
+                np.minimum(
+                    -np.log(density + NETWORK_FLOW.positional_prior_rare),
+                    NETWORK_FLOW.positional_prior_most,
+                )
+            )
         costs.append(own)
     return costs
 
@@ -134,9 +148,11 @@ def positional_cost(
 
 
 def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
-    """Return the bin of positions, from -1.5 to 1.5 spans."""
+    """Return the bin of positions, from -``_REACH`` to ``_REACH`` spans."""
     return np.clip(
-        ((along / body_scale + 1.5) / 3.0 * NETWORK_FLOW.positional_prior_bins).astype(int),
+        ((along / body_scale + _REACH) / (2 * _REACH) * NETWORK_FLOW.positional_prior_bins).astype(
+            int
+        ),
         0,
         NETWORK_FLOW.positional_prior_bins - 1,
     )
@@ -180,8 +196,9 @@ def first_positional_cost(
     along = at @ scene.forward
     for p, expected in enumerate(usual):
         if len(expected):
-            far = np.maximum(np.abs(along - expected[frame]) / scene.body_scale - 0.33, 0.0) / 0.1
-            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, 6.0), first)
+            away = np.abs(along - expected[frame]) / scene.body_scale - NETWORK_FLOW.kinds_reach
+            far = np.maximum(away, 0.0) / NETWORK_FLOW.kinds_sd
+            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, NETWORK_FLOW.kinds_farthest), first)
         if p in clicked:
             aside = lateral_cost((at - clicked[p]) @ across, wanders * scene.body_scale)
             cost[p] += np.add.reduceat(aside, first)
@@ -249,6 +266,6 @@ def where_kinds_are(
         away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])
         told = {
             kind: middle + np.quantile(away, share)
-            for kind, share in (("front", 0.75), ("hind", 0.25))
+            for kind, share in zip(("front", "hind"), NETWORK_FLOW.kinds_quantiles, strict=True)
         }
     return [told.get(kind, np.empty(0)) for kind in kinds]

@@ -15,6 +15,12 @@ import numpy as np
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 
+_DRAWN = 1e7
+"""Numerics: a price below all that is charged, so that a path goes through a node it must."""
+_PROGRESS, _PATIENCE, _UPPER_EVERY, _EQUAL, _LEAST_STEP, _FIRST_AIM = 0.01, 10, 4, 1e-9, 1e-3, 100.0
+"""Numerics: how steps of the prices are shortened. The bounds hold whatever they are (each is that
+of a dual or of a feasible solution): they only tell how soon the bounds are close."""
+
 
 def useful_links(
     links: np.ndarray,
@@ -111,7 +117,7 @@ def _one_by_one(
     drawn = price.copy()
     for i in range(len(need)):
         if need[i]:
-            drawn[i] = -1e7
+            drawn[i] = -_DRAWN
     total = 0.0
     for k in range(len(begin)):
         p = (leader + k) % len(begin)
@@ -156,24 +162,24 @@ def _bounds(
                     passed[head[a + link]] += 1.0
         since += 1
         if k == 0 or value > lower:
-            if k == 0 or value - lower > 0.01 * (upper - lower):
+            if k == 0 or value - lower > _PROGRESS * (upper - lower):
                 since = 0
             lower = value
             _copy(now, price)
-        if k % 4 == 0:
+        if k % _UPPER_EVERY == 0:
             upper = min(upper, _one_by_one(first, tail, head, cost, begin, need, now, k))
         step, square = _wanted(passed, now, need)
         if square == 0.0:
             # no tracklet is wanted twice, none with a price is left: this is the solution
             upper = min(upper, value)
-        if square == 0.0 or upper - lower <= 1e-9 * (1.0 + abs(lower)) or eager < 1e-3:
+        if square == 0.0 or upper - lower <= _EQUAL * (1.0 + abs(lower)) or eager < _LEAST_STEP:
             break
-        if since == 10:
+        if since == _PATIENCE:
             # too far each time: shorter steps, from the best prices
             eager, since = 0.5 * eager, 0
             _copy(price, now)
-        aim = upper if np.isfinite(upper) else value + 100.0
-        _move(now, step, eager * max(aim - value, 1e-3) / square, need)
+        aim = upper if np.isfinite(upper) else value + _FIRST_AIM
+        _move(now, step, eager * max(aim - value, _LEAST_STEP) / square, need)
     return lower, upper
 
 

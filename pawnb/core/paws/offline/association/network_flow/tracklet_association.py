@@ -106,16 +106,23 @@ class TrackletAssociator:
                 + NETWORK_FLOW.tracklet_association_worse,
             )
             away = places[t].distance(np.stack(list(here.values())))
-            free = away > 1.2 * scene.paw_width
+            free = away > NETWORK_FLOW.click_alone * scene.paw_width
             if t == 0:
                 free[:] = False
             places[t] = places[t].take(free)
         self._usual = where_kinds_are(places, anchors, scene, kinds=kinds, frames=self.body_frames)
         self.motion_model = _motion_model(places, scene, fps, settings)
-        noise, speed = settings.noise * scene.paw_width, 0.4 * self.motion_model.speed
+        noise, speed = (
+            settings.noise * scene.paw_width,
+            NETWORK_FLOW.unknown_speed * self.motion_model.speed,
+        )
         substrate_velocity = self.motion_model.substrate_velocity
         linking = LinkingModel(
-            self.motion_model.acceleration, noise, speed, substrate_velocity, 1.6
+            self.motion_model.acceleration,
+            noise,
+            speed,
+            substrate_velocity,
+            NETWORK_FLOW.dearest_linked,
         )
         tracklets = build_tracklets(places, linking)
         self.tracklets = [
@@ -125,7 +132,7 @@ class TrackletAssociator:
             < (
                 min(dearest, NETWORK_FLOW.tracklet_association_dearest[1])
                 if len(tracklet.detection_indices) > 1
-                else 0.5
+                else NETWORK_FLOW.dearest_single
             )
         ]
         self._clicked = 1 + max(p for here in anchors.values() for p in here)
@@ -292,8 +299,8 @@ def _motion_model(
     speed = MOVEMENT.fastest * scene.body_scale / fps
     substrate_velocity = estimate_substrate_velocity(
         places,
-        within=0.3 * scene.paw_width,
-        longest=2.0 * speed,
+        within=NETWORK_FLOW.ground_within * scene.paw_width,
+        longest=NETWORK_FLOW.ground_fastest * speed,
         lag=max(1, round(NETWORK_FLOW.stood_s * fps)),
     )
     clicks = np.stack([x for here in scene.anchors.values() for x in here.values()])

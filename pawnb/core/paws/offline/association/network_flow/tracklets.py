@@ -14,10 +14,6 @@ from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 
-_GATE, _CLEAR = 16.0, 5.0
-"""Squared standard deviations within which a place may follow, and by which all others must be
-farther. Set by hand."""
-
 
 @dataclass(frozen=True)
 class LinkingModel:
@@ -82,18 +78,18 @@ class Tracklet:
         n = len(part)
         if n == 1:
             return part[0], substrate_velocity, 1
-        place, speed = _end_weights(n, head) @ part
+        place, speed = _end_weights(n, NETWORK_FLOW.parabola_from, head=head) @ part
         return place, speed, n
 
 
 @functools.cache
-def _end_weights(n: int, head: bool) -> np.ndarray:
+def _end_weights(n: int, parabola_from: int, *, head: bool) -> np.ndarray:
     """Return what each of n places weighs in position and speed (2, n) at one end.
 
     Those of the straight line of least squares, or of the parabola where there are enough.
     """
     time = np.arange(n) - (0 if head else n - 1)
-    powers = time[:, None] ** np.arange(3 if n >= 5 else 2)
+    powers = time[:, None] ** np.arange(3 if n >= parabola_from else 2)
     return np.asarray(np.linalg.pinv(powers)[:2])
 
 
@@ -122,7 +118,7 @@ def estimate_substrate_velocity(
         The mean of the steps where they are densest, a frame; 0 where there are none.
     """
     lag = max(1, min(lag, len(places) - 1))
-    sampled = range(0, len(places) - lag, max(1, len(places) // 400))
+    sampled = range(0, len(places) - lag, max(1, len(places) // NETWORK_FLOW.ground_frames))
     every = np.empty((0, places[0].at.shape[1]))
     for dearest in NETWORK_FLOW.tracklets_dear:
         pairs = [[p.at[p.cost < dearest] for p in (places[t], places[t + lag])] for t in sampled]
@@ -161,11 +157,12 @@ def build_tracklets(places: Sequence[PointHypotheses], linking: LinkingModel) ->
     at, speed, var = np.empty((0, d)), np.empty((0, d)), np.empty((0, 3))
     substrate_velocity = np.ascontiguousarray(linking.substrate_velocity, float)
     spread = (linking.noise**2, linking.acceleration**2, linking.speed**2)
+    gate = (NETWORK_FLOW.gate, NETWORK_FLOW.clear, *NETWORK_FLOW.clear_near)
     rows = []
     for here in places:
         good = np.flatnonzero(here.cost <= linking.best_cost)
         detection_indices, chain, at, speed, var = _followed(
-            at, speed, var, here.at[good], here.cost[good], substrate_velocity, spread
+            at, speed, var, here.at[good], here.cost[good], substrate_velocity, spread, gate
         )
         old, detection_indices = ids[chain], good[detection_indices]
         ids = np.concatenate([old, n_chains + np.arange(len(detection_indices) - len(old))])
@@ -185,6 +182,7 @@ def _followed(
     cost: np.ndarray,
     substrate_velocity: np.ndarray,
     spread: tuple[float, float, float],
+    gate: tuple[float, float, float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Follow chains to the places of the next frame, as a Kalman filter does.
 
@@ -200,6 +198,8 @@ def _followed(
         The commonest speed.
     spread : tuple of float
         Variances of a place, of the acceleration and of an unknown speed.
+    gate : tuple of float
+        As for :func:`_mutual`.
 
     Returns
     -------
@@ -219,7 +219,7 @@ def _followed(
             for i in range(d):
                 square[r, c] += (places[c, i] - ahead[r, i]) ** 2
             square[r, c] = square[r, c] / (wide[r, 0] + noise) + 2.0 * cost[c]
-    taken = _mutual(square)
+    taken = _mutual(square, gate)
     detection_indices, chain, old = np.empty(columns, np.int64), np.empty(columns, np.int64), 0
     for c in range(columns):
         if taken[c] >= 0:
@@ -268,13 +268,14 @@ def _pieces(
 
 
 @compiled
-def _mutual(square: np.ndarray) -> np.ndarray:
+def _mutual(square: np.ndarray, gate: tuple[float, float, float, float]) -> np.ndarray:
     """Return for each column the row that it alone belongs to, or -1.
 
     A pair belongs together if each is the other's nearest within the gate and the next
-    nearest of either is clearly farther.
+    nearest of either is clearly farther: by more than ``clear``, or by ``far`` and ``factor``
+    times where the nearest is near.
     """
-    rows, columns = square.shape
+    (nearby, clear, factor, far), (rows, columns) = gate, square.shape
     taken = np.full(columns, -1)
     for c in range(columns if rows else 0):
         r, nearest = 0, 0
@@ -285,7 +286,7 @@ def _mutual(square: np.ndarray) -> np.ndarray:
             if square[r, other] < square[r, nearest]:
                 nearest = other
         best = square[r, c]
-        if best > _GATE or nearest != c:
+        if best > nearby or nearest != c:
             continue
         next_best = np.inf
         for other in range(columns):
@@ -294,7 +295,7 @@ def _mutual(square: np.ndarray) -> np.ndarray:
         for other in range(rows):
             if other != r:
                 next_best = min(next_best, square[other, c])
-        if next_best >= min(best + _CLEAR, 4.0 * best + 0.3):
+        if next_best >= min(best + clear, factor * best + far):
             taken[c] = r
     return taken
 

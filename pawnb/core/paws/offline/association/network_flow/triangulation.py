@@ -124,7 +124,7 @@ class StereoMatcher:
         order = np.lexsort((-support, frame))
         frame, xyz, support = frame[order], xyz[order], support[order]
         first = np.searchsorted(frame, np.arange(len(found) + 1))
-        cost = 1.5 * np.maximum(0.0, 2.0 - support)
+        cost = NETWORK_FLOW.unlike * np.maximum(0.0, 2.0 - support)
         keep = loops.distinct(xyz, first, self.apart, self.most)
         return [
             PointHypotheses(xyz[a:b][keep[a:b]], cost[a:b][keep[a:b]])
@@ -180,7 +180,9 @@ class StereoMatcher:
         )
         at = np.ascontiguousarray(every.uv)
         uv = dlt.project(self.coefs, xyz)
-        return loops.support(frame, uv, at, good, is_there, 0.6 * self.tolerance_px)
+        return loops.support(
+            frame, uv, at, good, is_there, NETWORK_FLOW.support_reach * self.tolerance_px
+        )
 
 
 def triangulate(coefs: np.ndarray, uv: np.ndarray) -> np.ndarray:

@@ -7,7 +7,8 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _NOTHING = 40.0
-"""Beyond that square the exponential function adds nothing to a number: exp(-40) is 4e-18."""
+"""Mathematics: beyond that square the exponential function adds nothing to a number: exp(-40) is
+4e-18."""
 
 
 @compiled

@@ -11,7 +11,7 @@ from pawnb.core.paws.offline.detection.colour.illumination import (
     mean_illumination,
     normalise_illumination,
 )
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.pixels.grey import has_colour
 
 

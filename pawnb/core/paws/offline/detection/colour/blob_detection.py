@@ -10,7 +10,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
@@ -33,7 +33,7 @@ def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarra
         How much each is like a paw, 0 to 1.
     """
     smooth = _smooth(score, reach)
-    around = 2 * round(1.6 * COLOUR.blob_detection_width * reach) + 1
+    around = 2 * round(COLOUR.blob_detection_apart * COLOUR.blob_detection_width * reach) + 1
     highest = cv2.dilate(smooth, np.ones((around, around), np.uint8))
     v, u = np.nonzero((smooth >= highest) & (smooth > COLOUR.blob_detection_least * usual))
     likeness = np.minimum(smooth[v, u] / usual, 1.0)

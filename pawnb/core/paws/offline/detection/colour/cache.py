@@ -22,7 +22,7 @@ from pawnb.core.checkpoint import RecordFile, code_checksum
 from pawnb.core.closing import Closing
 from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.offline.detection.colour.detections import N_COLUMNS, Detections, InViews
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
 _CODE = (

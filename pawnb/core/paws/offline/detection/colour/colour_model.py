@@ -33,8 +33,11 @@ from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
 )
 from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
 from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.pixels.masks import dilate, disk_mask, region_grow
+
+_FILTERS = 8
+"""Layout: px beside what is looked at that filters see."""
 
 
 @dataclass(frozen=True)
@@ -214,7 +217,7 @@ class _Lesson:
         if fine_colours is not None:
             passing = self._passing(ratio, numbers, rest[0])
             limit = max(limit, min(passing, COLOUR.most_limit * usual))
-        gain = COLOUR.colour_model_usual / max(usual - limit, 0.1)
+        gain = COLOUR.colour_model_usual / max(usual - limit, COLOUR.least_margin)
         gain = float(np.clip(gain, 1.0, COLOUR.most_gain))
         table = np.clip(
             (ratio - limit) * gain, -COLOUR.colour_model_limit, COLOUR.colour_model_limit
@@ -296,7 +299,7 @@ def _ratio(
         What the bins are of; see :class:`Appearance`.
     """
     features = features_of_bins(is_colour, fine_colours)
-    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [12.0, 12.0, 12.0]) ** 2
+    floor = np.diag(COLOUR.floor_lab if is_colour else COLOUR.floor_grey) ** 2
     if fine_colours is not None:
         floor = fine_colours_floor()
     members = [n[seed] for n, seed in zip(numbers, seeds, strict=True)]
@@ -319,14 +322,15 @@ def _ratio(
             for n, r, seed in zip(numbers, close, seeds, strict=True)
         ]
         members = [
-            n[g] if g.sum() > 9 else old for n, g, old in zip(numbers, grown, members, strict=True)
+            n[g] if g.sum() > COLOUR.fewest_members else old
+            for n, g, old in zip(numbers, grown, members, strict=True)
         ]
     return ratio
 
 
 def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the part of a picture that the clicks' surroundings cover, and clicks in it."""
-    margin = reach + 8  # filters see a little farther
+    margin = reach + _FILTERS
     low = np.maximum(np.floor(clicks.min(axis=0)).astype(int) - margin, 0)
     high = np.ceil(clicks.max(axis=0)).astype(int) + margin + 1
     return picture[low[1] : high[1], low[0] : high[0]], clicks - low
@@ -349,7 +353,7 @@ def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> n
     """Return the probability of each bin under a Gaussian fitted to some members."""
     middle = np.median(members, axis=0)
     step = members - middle
-    covariance = step.T @ step / max(len(members) - 1, 1) * 1.3 + floor
+    covariance = step.T @ step / max(len(members) - 1, 1) * COLOUR.wider + floor
     away = features - middle
     power = np.einsum("ij,jk,ik->i", away, np.linalg.inv(covariance), away)
     weight = np.exp(-0.5 * power)

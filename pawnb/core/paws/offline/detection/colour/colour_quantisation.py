@@ -21,16 +21,17 @@ import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _BRIGHTER, _REDDER, _BLUER = (0.30, 0.59, 0.11), (1.0, -1.0, 0.0), (-0.5, -0.5, 1.0)
-"""Axes of colour: luminance (ITU-R BT.601), red against green, and blue against both."""
+"""Definition: axes of colour: luminance (ITU-R BT.601), red against green, and blue against
+both."""
 _MIDDLE = 127.5
-"""The middle of 256 levels."""
+"""Mathematics: the middle of 256 levels."""
 _BINS = 32
-"""Steps of each channel in a table of colours."""
+"""Layout: steps of each channel in a table of colours."""
 _SHIFT = 3
-"""Bits by which 256 levels are reduced to these steps."""
+"""Layout: bits by which 256 levels are reduced to these steps."""
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,9 @@ def bin_numbers(
         Numbers of bins.
     """
     pixels = (
-        cv2.GaussianBlur(pixels, (3, 3), 0.8) if fine_colours is None else fine_colours.of(pixels)
+        cv2.GaussianBlur(pixels, (3, 3), COLOUR.fine_blur_px)
+        if fine_colours is None
+        else fine_colours.of(pixels)
     )
     if pixels.ndim == 2:
         p = pixels.astype(np.int32)
@@ -141,7 +144,8 @@ def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
 def features_of_bins(is_colour: bool, fine_colours: FineColours | None) -> np.ndarray:
     """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
     n = np.arange(_BINS**3)
-    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
+    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * (1 << _SHIFT)
+    levels = levels + 0.5 * ((1 << _SHIFT) - 1)
     if not is_colour or fine_colours is not None:
         return levels
     lab = cv2.cvtColor((levels[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
@@ -151,5 +155,6 @@ def features_of_bins(is_colour: bool, fine_colours: FineColours | None) -> np.nd
 def histogram_of_bins(numbers: np.ndarray) -> np.ndarray:
     """Return the smoothed frequency of each bin."""
     count = np.bincount(numbers, minlength=_BINS**3).astype(float)
-    count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), 0.7).ravel()
-    return count / count.sum() * 0.99 + 0.01 / _BINS**3
+    count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), COLOUR.histogram_blur).ravel()
+    even = COLOUR.histogram_even
+    return count / count.sum() * (1.0 - even) + even / _BINS**3

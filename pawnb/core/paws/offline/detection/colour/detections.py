@@ -9,10 +9,10 @@ from typing import TypeAlias
 import numpy as np
 
 N_COLUMNS = 8
-"""Numbers of a detection, in tables for loops and files."""
+"""Layout: numbers of a detection, in tables for loops and files."""
 
 _UV, _DIRECTION, _COVERAGE, _SCORE, _TIP = slice(0, 2), slice(2, 4), 4, 5, slice(6, 8)
-"""Which of them are what."""
+"""Layout: which of them are what."""
 
 
 @dataclass(frozen=True)

@@ -19,10 +19,10 @@ from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
 from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _NO_LIMITS = np.empty((0, 3))
-"""No line bounds where detections lie."""
+"""Layout: no line bounds where detections lie."""
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,10 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _SIDE, _OWN, _HALF, _TO_BINS, _TEN, _FIVE = (np.uint32(n) for n in (61, 134, 1 << 15, 19, 10, 5))
-"""Weights of smoothing in parts of 256; twice that and three bits lie below five bits of colour."""
+"""Layout: weights of smoothing in parts of 256; twice that and three bits lie below five bits of
+colour."""
 _WHOLE, _PART = np.float32(1 << 25), 1.0 / (1 << 25)
-"""Weights of the mask, as float32 has them, are whole numbers of 2^-25."""
+"""Layout: weights of the mask, as float32 has them, are whole numbers of 2^-25."""
 
 
 @compiled

@@ -12,7 +12,7 @@ import math
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def mean_illumination(pixels: np.ndarray) -> tuple[float, ...]:

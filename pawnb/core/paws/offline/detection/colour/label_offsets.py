@@ -10,10 +10,10 @@ from scipy.optimize import linear_sum_assignment
 
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _NEVER = -1e6
-"""Score of what is never taken."""
+"""Guard: score of what is never taken."""
 
 
 @dataclass(frozen=True)

@@ -19,31 +19,18 @@ import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
-CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
-    "score": (
-        (-0.5, 0, 0.25, 0.5, 0.75, 1, 1.3),
-        (-4.9, -4.8, -3.4, -1.1, 1.4, 4, 3.5),
-    ),
-    "share": (
-        (0.04, 0.1, 0.14, 0.18, 0.22, 0.26, 0.3, 0.35, 0.4, 0.5),
-        (-0.9, 0.2, 0.5, 1.7, 0.8, 0.1, -0.5, -1, -2.3, -3.8),
-    ),
-    "ahead": (
-        (-1, -0.6, -0.3, 0, 0.3, 0.6, 0.85, 1),
-        (-4, -1.2, -1, -1.6, -0.3, 1.5, 0.9, 0.5),
-    ),
-    "beside": (
-        (-1, -0.6, -0.3, 0, 0.3, 0.6, 1),
-        (-1.9, -0.5, -1.1, -0.1, 0, -1, -0.8),
-    ),
-    "length": (
-        (0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8),
-        (-0.3, -2, -0.3, 1, -1.1, -1.5, -0.6, -0.5),
-    ),
-}
-"""Log-odds by each measure: its knots, and the curve's values there (learnt from 26 scenes)."""
+
+def curves() -> dict[str, tuple[tuple[float, ...], tuple[float, ...]]]:
+    """Return the log-odds by each measure: its knots, and the curve's values there."""
+    return {
+        "score": COLOUR.curve_score,
+        "share": COLOUR.curve_share,
+        "ahead": COLOUR.curve_ahead,
+        "beside": COLOUR.curve_beside,
+        "length": COLOUR.curve_length,
+    }
 
 
 @dataclass(frozen=True)
@@ -75,7 +62,7 @@ class AppearanceLikelihood:
             score=self.score,
             paw_width_px=self.paw_width_px[view],
         )
-        odds = sum(np.interp(measured[name], *curve) for name, curve in CURVES.items())
+        odds = sum(np.interp(measured[name], *curve) for name, curve in curves().items())
         return np.asarray(np.sqrt(plain / (1.0 + np.exp(-odds))))
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, pad_and_stack
 from pawnb.core.paws.offline.detection.colour.label_offsets import Offsets
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.paws.offline.projection import Projection
 
 
@@ -127,7 +128,7 @@ def tracked_points(
     normal = np.einsum("npvik,npvil->npkl", J, J, optimize=True)
     # what one view alone does not tell stays as it is
     size = np.trace(normal, axis1=-2, axis2=-1)[..., None, None]
-    normal = normal + (0.01 * size + 1e-9) * np.eye(x.shape[-1])
+    normal = normal + (COLOUR.stays * size + 1e-9) * np.eye(x.shape[-1])
     target = np.einsum("npvik,npvi->npk", J, step, optimize=True)
     moved = x + np.linalg.solve(normal, target[..., None])[..., 0]
     return np.where(known[..., None], moved, np.nan)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def paw_width_at(
@@ -49,7 +49,7 @@ def paw_width_at(
             u, v = ((place - low + 0.5) * COLOUR.paw_width_fine).astype(int)
             r = COLOUR.touch_px * COLOUR.paw_width_fine
             touched = (slice(max(v - r, 0), v + r + 1), slice(max(u - r, 0), u + r + 1))
-            edge = 0.5 * (fine[touched].max() + np.percentile(part, 20.0))
+            edge = 0.5 * (fine[touched].max() + np.percentile(part, COLOUR.paw_width_ground))
             depth = cv2.distanceTransform((fine > edge).astype(np.uint8), cv2.DIST_L2, 5)
             found.append(2.0 * float(depth[touched].max()) / COLOUR.paw_width_fine)
     return max(float(np.median(found)), 1.0)

@@ -21,7 +21,7 @@ from pawnb.core.paws.offline.detection.colour.detector import (
     detect,
     endpoint_score,
 )
-from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.video.views import Frame
 

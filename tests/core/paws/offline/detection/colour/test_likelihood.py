@@ -6,8 +6,8 @@ import pytest
 from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import (
-    CURVES,
     AppearanceLikelihood,
+    curves,
     measures,
     score_at_clicks,
 )
@@ -35,7 +35,7 @@ def test_it_is_the_geometric_mean_of_the_rule_and_the_curves():
     rows = candidate(1.5)
     at = {"score": 0.5, "share": 0.22, "ahead": 1.0, "beside": 0.0, "length": 0.5}
     odds = 0.0
-    for name, (knots, values) in CURVES.items():
+    for name, (knots, values) in curves().items():
         odds += values[knots.index(at[name])]
     expected = np.sqrt(endpoint_score(rows, DOWN_AHEAD) / (1.0 + np.exp(-odds)))
     np.testing.assert_allclose(likelihood(3.0).likeness(rows, 0), expected, rtol=1e-5)

@@ -1,0 +1,129 @@
+"""Parameters of the stage ``quality``, each with unit and evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pawnb.core.parameters import in_force
+from pawnb.core.paws.offline.quality.labels import QualityLimits
+
+
+@dataclass(frozen=True)
+class QualityParameters:
+    """What tells how likely labels are right, beside :class:`.labels.QualityLimits`.
+
+    Parameters
+    ----------
+    weights : tuple of float
+        Of the columns of :class:`.signs.Signs`. Measured by ``benchmarks/learn_calibration.py`` on
+        1038 marks of camel, dog, fly, horse and mouse from below with 1, 2, 3 and 5 clicked frames
+        (the mouse 1 and 2), 18 runs. Of clips that weights were not learnt from, 15 of 18 verdicts
+        are right and none is too kind, the area under the ROC curve is 0.89, and 58 % of wrong
+        labels are doubted, 7 % of right ones. Without what left-out clicks say: 14, 0.88, 50 and 7
+        %; without looks along stretches 15, 0.89, 55 and 8 %.
+    offset : float
+        Log-odds without any sign. 0.5 below what was measured with the weights, as good that is
+        said in vain costs more than a look.
+    click_sd, astray_sd : float
+        Standard deviations of labels that are right, and of those that are astray, in extents. Set
+        by hand.
+    left_out_sd : float
+        Standard deviation, in log-odds, of recordings about none and of points about their
+        recording. Measured: with 0.5, 1 and 2 the area under the ROC curve is 0.885, 0.884 and
+        0.881 on clips that weights were not learnt from.
+    agreement_least : float
+        Agreement below this breaks a way no more. Set by hand.
+    agreement_break : float
+        Agreement below this ends a stretch over which looks are averaged. Set by hand.
+    broken_most : float
+        No way is broken more than this. Set by hand.
+    likeness_reach : float
+        Half the side of what is compared with clicks, in body sizes: a paw and little of what is
+        about it. Measured: 0.05 and 0.1 tell right from wrong labels as well.
+    likeness_side : int
+        Pixels along it after it was scaled: no more can be expected to look alike again. Set by
+        hand.
+    likeness_spare : int
+        Pixels by which a label may be off: half of what counts as right. Set by hand.
+    likeness_finest : float
+        Px of a view in one of these, at least. Set by hand.
+    likeness_frames : int
+        Frames in which labels are compared. Mathematics: a share is known to 8 % from so many.
+    stayed_px : float
+        A label that moved less, px, was not moved. Set by hand.
+    sure : float
+        Looks lower a label that is sure to this by all else as odds do. Set by hand.
+    alike, alike_against : float
+        A likeness s adds ``alike_against + alike * s`` to the log-odds of being right. Measured:
+        fitted to labels of two trackers in four real clips with marks (mouse in a wheel, mouse from
+        below, horse, fly).
+    alone : float
+        Looks alone make no label surer than this: a point may ride on what looks alike, such as the
+        other hind paw. Measured: of 165 labels in seven real clips that look best, 0.8 and more, 70
+        % are right.
+    usual_share, usual_weight : float
+        Share of labels that were right there, and how much it counts beside a point's own labels,
+        which follow each other and tell less than so many by themselves. The share was measured
+        there; the weight set by hand.
+    beyond_fall : tuple of float
+        Beyond the body: at so many times the limit this is left of the probability. Set by hand.
+    leap_fall : tuple of float
+        The same of leaps. Set by hand.
+    disagree_fall : tuple of float
+        The same of views that disagree, in what counts as right. Set by hand.
+    passes_fall : tuple of float
+        Standard deviations of passes apart where it begins to fall and where this is left. Set by
+        hand.
+    hardly_fall : tuple of float
+        The same of one less the confidence. Set by hand.
+    shared_left : float
+        Mathematics: of two names on one place at most one is right.
+    shared_clicked : float
+        Share of the distance of clicks beyond which two points are on two places. Set by hand.
+    telling : float
+        A measure that takes less than this share of a point's labels is not named. Set by hand.
+    telling_left : float
+        Labels of which less is left are counted where it is named. Set by hand.
+    most_reasons : int
+        Reasons that are named, at most. Set by hand.
+    time_gap : float
+        Steps in time longer than so many usual ones are gaps; time stamps are rounded. Set by hand.
+    """
+
+    weights: tuple[float, ...] = (0.45, 0.22, 0.35, -0.7, 0.39, 0.89)
+    offset: float = 1.8
+    click_sd: float = 0.014
+    astray_sd: float = 0.4
+    left_out_sd: float = 0.5
+    agreement_least: float = 1e-2
+    agreement_break: float = 0.5
+    broken_most: float = 200.0
+    likeness_reach: float = 0.07
+    likeness_side: int = 21
+    likeness_spare: int = 3
+    likeness_finest: float = 0.25
+    likeness_frames: int = 40
+    stayed_px: float = 1.0
+    sure: float = 0.9
+    alike: float = 3.9
+    alike_against: float = -1.95
+    alone: float = 0.75
+    usual_share: float = 0.3
+    usual_weight: float = 0.5
+    beyond_fall: tuple[float, float] = (1.4, 0.1)
+    leap_fall: tuple[float, float] = (1.4, 0.3)
+    disagree_fall: tuple[float, float] = (3.0, 0.1)
+    passes_fall: tuple[float, float, float] = (3.0, 8.0, 0.3)
+    hardly_fall: tuple[float, float, float] = (0.7, 1.0, 0.5)
+    shared_left: float = 0.5
+    shared_clicked: float = 0.5
+    telling: float = 0.04
+    telling_left: float = 0.75
+    most_reasons: int = 3
+    time_gap: float = 1.5
+
+
+QUALITY = in_force("quality", QualityParameters())
+"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
+LIMITS = in_force("quality_limits", QualityLimits())
+"""The same."""
