@@ -99,7 +99,9 @@ class Scheduler:
         """Hand out what has been ordered, all in one message."""
         orders, self._orders = self._orders, {}
         if self._is_gone():
-            self._refused.update(dict.fromkeys(orders, TrialOutcome("failed", f"not begun: {_GONE}")))
+            self._refused.update(
+                dict.fromkeys(orders, TrialOutcome("failed", f"not begun: {_GONE}"))
+            )
         elif orders:
             futures = self._client.map(
                 track_on_worker,

@@ -23,7 +23,7 @@ from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
-from pawnb.workflow.provenance.report.report import _by_leg
+from pawnb.workflow.provenance.report.report import _by_group, _by_leg
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.report.words import figure_order
 
@@ -184,6 +184,20 @@ def test_the_methods_say_how_points_were_tracked():
     assert "20 frames at 200 to 500 frames a second by pawnb, DeepLabCut" in text
     assert "1 of 15 labels were placed by hand" in text  # those of DeepLabCut do not say
     assert tracking_sentences([]) == ""
+
+
+def test_differences_of_groups_stand_in_a_line_with_both_kinds_of_p():
+    row = {"measure": "duty factor", "leg": "all", "reference": np.nan, "group_a": "ctl",
+           "group_b": "cut", "n_animals_a": 2, "n_animals_b": 3, "mean_a": 0.6472, "mean_b": 0.7037,
+           "difference": 0.0565, "ci_low": 0.03797, "ci_high": 0.07503, "p": 0.0055,
+           "p_adjusted": 0.0055, "p_all_measures": 0.0715}  # fmt: skip
+    phase = row | {"measure": "phase", "leg": "FR", "reference": "HR", "ci_low": np.nan}
+    made = _by_group(pd.DataFrame([row, phase]))
+    assert made.iloc[0].tolist() == [
+        "duty factor", "ctl 0.6472 (2); cut 0.7037 (3)", "0.0565 (0.03797 to 0.07503)", "0.0055",
+        "0.0055", "0.0715",
+    ]  # fmt: skip
+    assert made.iloc[1, [0, 2]].tolist() == ["phase FR to HR", "0.0565"]
 
 
 def test_measures_stand_by_leg_with_their_units():
