@@ -2,7 +2,7 @@
 
 Run it from the project's root, on a machine with at least two cores that does nothing else:
 
-    python benchmarks/batch_scheduler.py                  # both
+    python benchmarks/batch_scheduler.py                  # both, four minutes
     python benchmarks/batch_scheduler.py --only queue
     python benchmarks/batch_scheduler.py --out docs/accuracy/speed.csv    # and put them there
 
@@ -10,9 +10,8 @@ Scheduler and workers are processes of their own on this machine (``dask schedul
 worker --nthreads 1``), which talk through TCP as on a cluster.
 
 *workers* tracks ``--trials`` rendered trials by one worker and by two, in turn, ``--turns`` times,
-each time into a new folder of results, and compares the shortest times. As two processes share
-caches and memory, the same is done without any cluster (two processes that track, against one),
-which says what this machine can give.
+each time into a new folder of results, and compares the shortest times. Each worker is bound to a
+core, as Slurm binds it (``cores=1``): a trial that has the machine to itself decodes on several.
 
 *queue* hands ``--queued`` trials, each with a description of its own, to two workers that answer
 at once instead of tracking: what is left is what queueing itself costs, in time a trial and in
@@ -41,6 +40,19 @@ from pawnb.workflow.batch import scheduler as scheduler_module
 from pawnb.workflow.batch.run import BatchReport, batch
 
 MB = 2**20
+ONE_THREAD = {**os.environ, **dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")}
+
+
+def link_trials(one: Path, folder: Path, number: int) -> None:
+    """Make so many trials of one: each has its own description and name, and the same files."""
+    text = (one / "trial.toml").read_text()
+    others = [path for path in one.iterdir() if path.name != "trial.toml"]
+    for k in range(number):
+        place = folder / f"t{k:05d}"
+        place.mkdir(parents=True)
+        (place / "trial.toml").write_text(text.replace('name = "', f'name = "t{k:05d}-', 1))
+        for path in others:
+            (place / path.name).symlink_to(path)
 
 
 @contextlib.contextmanager
@@ -52,7 +64,7 @@ def cluster(workers: int) -> Iterator[tuple[str, psutil.Process]]:
 
         def start(module: str, *options: str) -> subprocess.Popen[bytes]:
             command = [sys.executable, "-m", f"distributed.cli.{module}", *common, *options]
-            process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+            process = subprocess.Popen(command, stderr=subprocess.DEVNULL, env=ONE_THREAD)
             stack.callback(process.wait)
             stack.callback(process.kill)
             return process
@@ -61,8 +73,10 @@ def cluster(workers: int) -> Iterator[tuple[str, psutil.Process]]:
         # it is there before it is written
         while not file.exists() or not file.read_text().rstrip().endswith("}"):
             time.sleep(0.1)
-        for _ in range(workers):
-            start("dask_worker", "--nthreads", "1", "--no-nanny")
+        for number in range(workers):
+            worker = start("dask_worker", "--nthreads", "1", "--no-nanny")
+            if hasattr(psutil.Process, "cpu_affinity"):  # what it starts inherits it
+                psutil.Process(worker.pid).cpu_affinity([number % (os.cpu_count() or 1)])
         address = json.loads(file.read_text())["address"]
         import distributed
 
@@ -79,29 +93,26 @@ def need(report: BatchReport, status: str) -> None:
 
 def gain(folder: Path, *, trials: int, frames: int, turns: int) -> dict[str, str]:
     """Return a row on what a second worker gains."""
-    for number in range(trials):
-        render_mouse_trial(folder / "trials" / f"t{number}", frames=frames, scale=0.5, seed=number)
-    ways = {(where, n): [] for where in ("cluster", "processes") for n in (1, 2)}
+    render_mouse_trial(folder / "one", frames=frames, scale=0.5)
+    link_trials(folder / "one", folder / "trials", trials)
+    took: dict[int, list[float]] = {1: [], 2: []}
     with cluster(1) as (one, _), cluster(2) as (two, _):
-        addresses = {1: one, 2: two}
+        # what is compiled once on a machine is compiled now
+        need(batch(folder / "one", out=folder / "first", scheduler=two), "tracked")
         for turn in range(turns):
-            for (where, n), took in ways.items():
-                out = folder / f"results-{turn}-{where}-{n}"
-                how: dict[str, Any] = (
-                    {"scheduler": addresses[n]} if where == "cluster" else {"workers": n}
-                )
+            for n, address in ((1, one), (2, two)):
                 begun = time.perf_counter()
-                need(batch(folder / "trials", out=out, **how), "tracked")
-                took.append(time.perf_counter() - begun)
-                print(f"  turn {turn + 1}, {where}, {n}: {took[-1]:.1f} s, load "
+                out = folder / f"results-{turn}-{n}"
+                need(batch(folder / "trials", out=out, scheduler=address), "tracked")
+                took[n].append(time.perf_counter() - begun)
+                print(f"  turn {turn + 1}, {n} workers: {took[n][-1]:.1f} s, load "
                       f"{os.getloadavg()[0]:.1f}", flush=True)  # fmt: skip
-    best = {way: min(took) for way, took in ways.items()}
-    ratio = {where: best[where, 1] / best[where, 2] for where in ("cluster", "processes")}
+    alone, both = min(took[1]), min(took[2])
     return {
         "what": f"a batch of {trials} trials on a Dask cluster, two workers against one",
-        "result": f"{ratio['cluster']:.2f} times as fast (best of {turns} turns: "
-        f"{best['cluster', 1]:.1f} and {best['cluster', 2]:.1f} s; two processes without a "
-        f"cluster gain {ratio['processes']:.2f}, {os.cpu_count()} cores)",
+        "result": f"{alone / both:.2f} times as fast (best of {turns} turns: {alone:.1f} and "
+        f"{both:.1f} s; each worker bound to one of {os.cpu_count()} cores, load "
+        f"{os.getloadavg()[0]:.0f})",
         "command": "`python benchmarks/batch_scheduler.py --only workers`",
     }
 
@@ -122,13 +133,8 @@ def answer_at_once(order: dict[str, Any], stop_name: str) -> tuple[str, str, str
 
 def queue(folder: Path, *, queued: int) -> dict[str, str]:
     """Return a row on what queueing costs."""
-    text = render_mouse_trial(folder / "one", frames=12, scale=0.2).read_text()
-    for number in range(queued):
-        place = folder / "trials" / f"t{number:05d}"
-        place.mkdir(parents=True)
-        (place / "trial.toml").write_text(text.replace('name = "', f'name = "t{number:05d}-'))
-        for name in (p.name for p in (folder / "one").iterdir() if p.name != "trial.toml"):
-            (place / name).symlink_to(folder / "one" / name)
+    render_mouse_trial(folder / "small", frames=12, scale=0.2)
+    link_trials(folder / "small", folder / "queued", queued)
     scheduler_module.track_on_worker = answer_at_once
     me, said = psutil.Process(), []
     with cluster(2) as (address, scheduler):
@@ -144,7 +150,7 @@ def queue(folder: Path, *, queued: int) -> dict[str, str]:
 
         sizes: list[list[float]] = []
         need(
-            batch(folder / "trials", out=folder / "out", scheduler=address, report=tell), "tracked"
+            batch(folder / "queued", out=folder / "out", scheduler=address, report=tell), "tracked"
         )
         ms = 1000 * (time.perf_counter() - begun) / queued
         own, its = (1000 * (now - then) / queued for now, then in
@@ -164,8 +170,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--only", choices=["workers", "queue"], help="one of the two")
     parser.add_argument("--trials", type=int, default=6, help="to track (%(default)s)")
-    parser.add_argument("--frames", type=int, default=200, help="of each (%(default)s)")
-    parser.add_argument("--turns", type=int, default=3, help="of each way (%(default)s)")
+    parser.add_argument("--frames", type=int, default=300, help="of each (%(default)s)")
+    parser.add_argument("--turns", type=int, default=2, help="of each way (%(default)s)")
     parser.add_argument("--queued", type=int, default=10_000, help="trials (%(default)s)")
     parser.add_argument("--out", type=Path, metavar="SPEED.csv", help="put it into this table")
     asked = parser.parse_args()

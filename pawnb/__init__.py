@@ -16,7 +16,8 @@ The work in its order, one name a step:
 :mod:`pawnb.figures`                              figures that are fit to print
 ================================================  =================================================
 
-:func:`reproduce` makes a figure or a table again from the recipe that it carries;
+:func:`draw_figure` saves one with its table and its recipe; :func:`reproduce` makes a figure or a
+table again from the recipe that it carries;
 :func:`selfcheck` checks the installation.
 
 Tracks of other programs enter at :func:`run_gait`, or through the readers of :mod:`pawnb.io`.
@@ -54,6 +55,7 @@ _HOME = {
     "check_trial": "pawnb.workflow.checking.check",
     "convert_tracks": "pawnb.workflow.conversion.convert",
     "count_errors": "pawnb.workflow.evaluation.errors",
+    "draw_figure": "pawnb.workflow.gait.draw_figure",
     "evaluate": "pawnb.workflow.evaluation.evaluate",
     "export_film": "pawnb.workflow.export.film",
     "export_page": "pawnb.widgets.page",

@@ -36,6 +36,8 @@ class CorrectedTracks:
         ``learn=True`` as well where colours are to be learnt anew.
     save : callable, optional
         ``save(tracks)`` writes the tracks.
+    before : callable, optional
+        ``before() -> Tracks`` reads the tracks as they were before any correction.
 
     Attributes
     ----------
@@ -61,6 +63,7 @@ class CorrectedTracks:
         edits: str | Path | None = None,
         retrack: Retracker | None = None,
         save: Callable[[Tracks], object] | None = None,
+        before: Callable[[], Tracks] | None = None,
     ) -> None:
         self.edits = Path(edits) if edits is not None else None
         self.lock = threading.RLock()
@@ -74,9 +77,11 @@ class CorrectedTracks:
             rig=rig,
             px_per_unit=calibration.px_per_unit if calibration is not None else None,
             retrack=self._retracked if retrack is not None else None,
+            before=before,
         )
         self.notes = list(self._log.notes)
-        self._n_saved: int | None = None
+        # where what these tracks contain is undone, the file they came from is written again
+        self._n_saved = self._log.n_contained if before is not None and save is not None else None
 
     @property
     def present(self) -> Tracks:

@@ -108,7 +108,12 @@ class PoseReviewer(StickPoser, Comparing):
         folder = Path(out) if out is not None else edits.parent
         self._count_minutes(edits)
         self._open_corrected = partial(
-            StretchEdits, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
+            StretchEdits,
+            trial,
+            edits=edits,
+            retrack=self._track_again,
+            save=self._saver(folder),
+            before=self._tracks_before(folder),
         )
         shown = open_views(trial, share_memory=True) if views is None else views
         reader = shown.readers[pose_view(trial)]
@@ -167,6 +172,7 @@ class PoseReviewer(StickPoser, Comparing):
 
     def _open_tracks(self, tracks: Tracks, *, frame: int | None = None) -> None:
         """Begin the review of some tracks."""
+        self._remember(tracks)
         self.corrected = self._open_corrected(tracks)
         self.session = PoseReviewSession(self._trial, self.corrected, size=self._size, frame=frame)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from pawnb.core.edits.working_time import WorkingTime
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import GuardedFile
+from pawnb.io.native import read_tracks, write_tracks
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.widgets.review_session import suspect_options
@@ -24,7 +26,7 @@ from pawnb.widgets.tracks_trait import TracksTrait
 from pawnb.workflow.export.film import export_film
 from pawnb.workflow.export.sheet import export_sheet
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, find_fault
-from pawnb.workflow.provenance.results import write_track_results
+from pawnb.workflow.provenance.results import provenance_steps, write_track_results
 from pawnb.workflow.tracking.track import retrack as workflow_retrack
 
 _NOT_SAVED = (
@@ -32,6 +34,8 @@ _NOT_SAVED = (
     "tracks that are there"
 )
 
+_BEFORE = "tracks.before.nc"
+"""File of results that holds the tracks as they were before any correction."""
 _LEAST_MIN = 0.1
 """Less work is not spoken of."""
 
@@ -62,6 +66,7 @@ class Retracking(TimelineCanvas):
         self._worker: threading.Thread | None = None
         self._pointed: tuple[int, str, str] | None = None  # frame, view, point jumped to
         self._looked: set[Doubt] = set()
+        self._uncorrected: Tracks | None = None
         self._offer_doubtful(None)
 
     def _count_minutes(self, edits: Path) -> None:
@@ -94,7 +99,11 @@ class Retracking(TimelineCanvas):
         return f"{n} correction{'' if n == 1 else 's'}{kept}{spent}."
 
     def _saver(self, folder: Path, *, rig: Rig | None = None) -> Callable[[Tracks], None]:
-        """Return what writes tracks into a folder, unless others came there meanwhile."""
+        """Return what writes tracks into a folder, unless others came there meanwhile.
+
+        The tracks from before any correction are kept beside them, so that everything can be
+        undone also when the review is opened again.
+        """
         guard = GuardedFile(folder / "tracks.nc")
 
         def save(tracks: Tracks) -> None:
@@ -103,8 +112,20 @@ class Retracking(TimelineCanvas):
             with guard.writing(refused=_NOT_SAVED):
                 reviewed = add_provenance(tracks, step="review", **spent)
                 write_track_results(reviewed, folder, rig=rig)
+            if self._uncorrected is not None and self.corrected.corrections:
+                write_tracks(self._uncorrected, folder / _BEFORE)
 
         return save
+
+    def _tracks_before(self, folder: Path) -> Callable[[], Tracks] | None:
+        """Return what reads the tracks from before any correction; None where they are not kept."""
+        path = folder / _BEFORE
+        return partial(read_tracks, path) if path.exists() else None
+
+    def _remember(self, tracks: Tracks) -> None:
+        """Remember tracks that hold no correction yet, to keep them when others are saved."""
+        edited = any(step["step"] == "edit" for step in provenance_steps(tracks))
+        self._uncorrected = None if edited else tracks
 
     def _opening_notes(self, folder: Path) -> str:
         """Return what to know of the file of corrections and of the results they belong to."""

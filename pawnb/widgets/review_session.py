@@ -39,7 +39,7 @@ class ReviewSession(StretchEdits):
         Its tracks; not modified.
     rig : Rig, optional
         The calibrated views.
-    edits, retrack, save
+    edits, retrack, save, before
         As for :class:`~pawnb.widgets.corrected_tracks.CorrectedTracks`.
 
     Raises
@@ -58,13 +58,15 @@ class ReviewSession(StretchEdits):
         edits: str | Path | None = None,
         retrack: Retracker | None = None,
         save: Callable[[Tracks], object] | None = None,
+        before: Callable[[], Tracks] | None = None,
     ) -> None:
         if is_pose(tracks):
             raise InputError(
                 "these are tracks of a jointed animal, which is corrected as a whole; open them "
                 "with pawnb.widgets.PoseReviewer(trial, tracks)."
             )
-        super().__init__(trial, tracks, rig=rig, edits=edits, retrack=retrack, save=save)
+        super().__init__(trial, tracks, rig=rig, edits=edits, retrack=retrack, save=save,
+                         before=before)  # fmt: skip
         self.trial, self.rig = trial, rig
         self.views = [str(name) for name in tracks["view"].to_numpy()]
         self.points = [str(name) for name in tracks["keypoint"].to_numpy()]

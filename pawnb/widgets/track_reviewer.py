@@ -135,7 +135,13 @@ class TrackReviewer(Comparing, Questions):
         self._tracks_again = write is None
         save = self._saver(folder, rig=rig) if write is None else write
         self._open_session = partial(
-            ReviewSession, trial, rig=rig, edits=edits, retrack=self._track_again, save=save
+            ReviewSession,
+            trial,
+            rig=rig,
+            edits=edits,
+            retrack=self._track_again,
+            save=save,
+            before=None if write is not None else self._tracks_before(folder),
         )
         self._open_tracks(tracks)
         self._compare(tracks, against, against_name, rig=rig)
@@ -239,6 +245,7 @@ class TrackReviewer(Comparing, Questions):
 
     def _open_tracks(self, tracks: Tracks) -> None:
         """Begin the review of some tracks."""
+        self._remember(tracks)
         self.session = self.corrected = self._open_session(tracks)
 
     def _place_missing(self, frame: int, view: str, message: Mapping[str, Any]) -> None:

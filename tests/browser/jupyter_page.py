@@ -11,6 +11,7 @@ import socket
 import subprocess
 import sys
 import time
+import urllib.error
 import urllib.request
 from pathlib import Path
 
@@ -48,7 +49,10 @@ def find_browser():
 
 @contextlib.contextmanager
 def jupyter(root, state, app):
-    """Start ``app`` ("lab" or "notebook") with settings of its own; give its address."""
+    """Start ``app`` ("lab", "notebook" or "voila") with settings of its own; give its address.
+
+    Voila shows the notebook ``root``; the others the folder.
+    """
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
@@ -70,18 +74,24 @@ def jupyter(root, state, app):
         IPYTHONDIR=str(state / "ipy"),
         JUPYTER_PREFER_ENV_PATH="1",
     )
-    kind = {"lab": "LabApp", "notebook": "JupyterNotebookApp"}[app]
-    command = [
-        sys.executable, "-m", "jupyter", app, "--no-browser", "--allow-root", "--ip=127.0.0.1",
-        f"--port={port}", f"--ServerApp.root_dir={root}", "--IdentityProvider.token=",
-        "--ServerApp.password=", f"--{kind}.expose_app_in_browser=True",
-    ]  # fmt: skip
     url = f"http://127.0.0.1:{port}"
+    if app == "voila":
+        command = [sys.executable, "-m", "voila", root, "--no-browser", f"--port={port}"]
+        up = "/voila/files/none"  # which it refuses; the page itself would run
+    else:
+        kind = {"lab": "LabApp", "notebook": "JupyterNotebookApp"}[app]
+        command = [
+            sys.executable, "-m", "jupyter", app, "--no-browser", "--allow-root",
+            "--ip=127.0.0.1", f"--port={port}", f"--ServerApp.root_dir={root}",
+            "--IdentityProvider.token=", "--ServerApp.password=",
+            f"--{kind}.expose_app_in_browser=True",
+        ]  # fmt: skip
+        up = "/api/status"
     with (state / "server.log").open("w") as log:
         server = subprocess.Popen(command, env=env, stdout=log, stderr=log)
         try:
             end = time.monotonic() + 120
-            while not _answers(url + "/api/status"):
+            while not _answers(url + up):
                 text = (state / "server.log").read_text()[-3000:]
                 assert server.poll() is None, text
                 assert time.monotonic() < end, text
@@ -96,6 +106,8 @@ def _answers(url):
     try:
         with urllib.request.urlopen(url, timeout=1):  # noqa: S310, our own loopback address
             return True
+    except urllib.error.HTTPError:
+        return True
     except OSError:
         return False
 

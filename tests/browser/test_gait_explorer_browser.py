@@ -115,10 +115,31 @@ def test_strides_are_picked_and_corrections_made_undone_and_kept(notebook):
     told(notebook, "1 correction")
     assert notebook.py("len(w.tables.strides)") == n_strides
 
+    # where there is none one is added by a key, moved and deleted by keys, and all that undone
+    n_events = notebook.py("len(w.tables.events)")
+    height = notebook.py("float(w._panels.signal.get_ylim()[1])")
+    x, y = place(notebook, "signal", start + stance / 2, height)
+    mouse.click(x, y + 15)
+    told(notebook, "one can be added")
+    notebook.page.keyboard.press("2")
+    told(notebook, "2 corrections; PEP of R2 at")
+    assert notebook.py("len(w.tables.events)") == n_events + 1
+    notebook.page.keyboard.press("ArrowRight")
+    told(notebook, "3 corrections; PEP of R2 at")
+    notebook.page.keyboard.press("Delete")
+    told(notebook, "4 corrections")
+    assert notebook.py("len(w.tables.events)") == n_events
+    for n in (3, 2, 1):
+        notebook.page.keyboard.press("Control+z")
+        told(notebook, f"{n} correction")
+    assert notebook.py("len(w.tables.strides)") == n_strides
+    notebook.page.keyboard.press("l")  # matplotlib's own key for a logarithmic axis
+
     # a stride is excluded, with a reason
     pick_stride(notebook, start)
     click(notebook, "exclude stride")
     told(notebook, "say why")
+    assert notebook.py("w._panels.signal.get_yscale()") == "linear"
     notebook.page.get_by_placeholder("reason").last.fill("stumbled")
     click(notebook, "exclude stride")
     told(notebook, "2 corrections")

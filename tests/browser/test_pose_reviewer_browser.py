@@ -63,4 +63,21 @@ def test_a_leg_is_dragged_right_and_tracked_again(reviewing):
         notebook.press(key)
         notebook.settle()
         assert np.hypot(*(tip(notebook) - right)) < 5
+    # keys move the tip of the chosen leg, across the leg, which can follow
+    was = tip(notebook)
+    for _ in range(3):
+        notebook.press("Alt+ArrowRight")
+    notebook.until("len(w.corrected.corrections)", 3)
+    notebook.settle()
+    np.testing.assert_allclose(tip(notebook) - was, (3, 0), atol=0.3)
+    notebook.press("Control+z")
+    notebook.settle()
+    np.testing.assert_allclose(tip(notebook), was, atol=0.01)
+    # N interpolates, as in every timeline, and does not straighten the leg
+    for key in ("i", "o", "n"):
+        notebook.press(key)
+    notebook.settle()
+    assert "nothing to interpolate between" in notebook.page.locator(".pawnb-alarm").inner_text()
+    np.testing.assert_allclose(tip(notebook), was, atol=0.01)
+    assert notebook.py("w.effort()['minutes']") > 0  # keys and mouse were heard
     notebook.assert_no_errors()

@@ -220,6 +220,18 @@ table = pd.DataFrame([{row!r}], columns=["frame", "view", "point", "reason", "sc
         assert notebook.js(over) == []
         for part in ("root", "grid", "status", "alarm", "detail"):
             assert notebook.js(f"c.{part}.scrollWidth - c.{part}.clientWidth") <= 2, part
+        # nor do the questions' sheet and the buttons of its answers run anything, or run away
+        notebook.kernel_runs("w._looked.clear()")
+        notebook.focus()
+        notebook.press("q")
+        notebook.page.locator(".pawnb-crop").wait_for()
+        notebook.settle()
+        assert "Expected errors left" in notebook.page.locator(".pawnb-status").inner_text()
+        assert notebook.js(over) == []
+        assert notebook.js("c.sheet.el.scrollWidth - c.sheet.el.clientWidth") <= 2
+        notebook.press("q")
+        notebook.page.locator(".pawnb-crop").wait_for(state="detached")
+        notebook.settle()
         drag(notebook, (5, 0), (30, 0))
         stretch = notebook.page.locator(".pawnb-stretch")
         assert EVIL in stretch.inner_text()

@@ -1,8 +1,11 @@
 """The workbench in a real browser: hostile names run nothing, nothing overflows in any theme."""
 
 import json
+import os
+import shutil
 
 import pytest
+from test_connection_browser import restart
 from test_small_screen_browser import set_theme
 
 pytestmark = pytest.mark.browser
@@ -54,3 +57,44 @@ def test_hostile_names_run_nothing_and_nothing_overflows(notebook, folder, width
     finally:
         set_theme(notebook, "Light")
         page.set_viewport_size({"width": 1500, "height": 1000})
+
+
+def test_half_filled_forms_with_hostile_names_run_nothing_and_are_there_again(
+    notebook, trial_file, tmp_path
+):
+    page = notebook.page
+    page.set_viewport_size({"width": 1366, "height": 768})
+    (tmp_path / "bare").mkdir()
+    names = [HOSTILE[0].replace("/", ""), "a" * 200, HOSTILE[2]]
+    videos = [
+        shutil.copy(trial_file.parent / "cam1.avi", tmp_path / "bare" / f"{name}.avi")
+        for name in (names[1:] if os.name == "nt" else names[:2])
+    ]
+    source = f"""import pawnb
+w = pawnb.Workbench({str(tmp_path / "bare")!r}, {[str(video) for video in videos]!r})
+w"""
+    over = """() => { const area = [...document.querySelectorAll('.jp-OutputArea-output')].pop();
+        const right = area.getBoundingClientRect().right + 1;
+        return [...area.querySelectorAll('button, select, input, canvas, .widget-label')]
+            .filter((e) => e.offsetParent && e.getBoundingClientRect().right > right)
+            .map((e) => e.className); }"""
+    try:
+        notebook.show(source)
+        page.get_by_label("animal", exact=True).select_option(label="other: points that you name")
+        page.get_by_placeholder("names with commas between").wait_for()
+        typed = {"names with commas between": ", ".join(HOSTILE), "frames a second": HOSTILE[0]}
+        for place, text in typed.items():
+            page.get_by_placeholder(place).fill(text)
+        page.get_by_role("button", name="Make the trial").click()
+        page.get_by_text("expected a number").wait_for()
+        assert page.evaluate(over) == []
+        restart(notebook)
+        page.locator(".pawnb-lost:visible").first.wait_for(timeout=60_000)
+        notebook.wait_idle()
+        notebook.show(source)
+        for place, text in typed.items():
+            assert page.get_by_placeholder(place).input_value() == text
+        assert page.evaluate("window.hurt") is None
+    finally:
+        page.set_viewport_size({"width": 1500, "height": 1000})
+    notebook.assert_no_errors()

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -11,7 +15,9 @@ import pandas as pd
 import pytest
 from walking import Walk
 
+import pawnb
 from pawnb import figures
+from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.strides.durations import compare_legs
@@ -19,6 +25,7 @@ from pawnb.io.tables import write_table
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait import save_figures
+from pawnb.workflow.gait.draw_figure import draw_figure
 from pawnb.workflow.gait.drawings import gait_drawings
 from pawnb.workflow.gait.overview_drawings import overview_drawings
 from pawnb.workflow.gait.save_figures import save_figure
@@ -140,13 +147,45 @@ def test_figures_of_an_analysis_are_the_same_each_time(tables, kind, tmp_path, m
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", sorted(OTHERS))
-def test_other_figures_are_the_same_each_time(tables, kind, tmp_path, monkeypatch):
-    def make():
-        table = OTHERS[kind](tables[0])
-        return table, getattr(figures, f"plot_{kind}")(table)
+def test_other_figures_are_identical_elsewhere_and_in_another_process(tables, tmp_path):
+    """Of each its png, svg and pdf, and of a figure that takes a second table."""
+    own = tmp_path / "own"
+    figures.set_style(dpi=60)  # a seventh of the time
+    try:
+        for kind, build in OTHERS.items():
+            draw_figure(kind, build(tables[0]), own / kind)
+        events = tables[0].events.query("animal == 'm0' and trial == 't0'")
+        options = {"events": events.assign(leg="L2")}
+        draw_figure("leg_angles", OTHERS["leg_angles"](None), own / "with", **options)
+        draw_figure("filter_effect", OTHERS["filter_effect"](None), own / "unit", unit="mm")
+    finally:
+        figures.set_style()
+        plt.close("all")
+    assert (own / "with_events.csv").exists()
+    moved = own.rename(tmp_path / "moved")
+    pictures = sorted(str(path) for path in moved.iterdir() if path.suffix != ".csv")
+    assert len(pictures) == 3 * (len(OTHERS) + 2)
+    done = subprocess.run(
+        [sys.executable, "-m", "pawnb", "reproduce", *pictures], cwd=tmp_path, text=True,
+        capture_output=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(Path(pawnb.__file__).parents[1])},
+    )  # fmt: skip
+    assert done.stdout.splitlines()[:-1] == [f"{path}: identical" for path in pictures], done.stderr
+    table = moved / "scaling.csv"
+    table.write_text(table.read_text().replace("30.0", "31.0"))
+    with pytest.raises(InputError, match=r"scaling\.csv has changed since scaling\.png was made"):
+        pawnb.reproduce(moved / "scaling.png")
 
-    check_same(make, tmp_path, monkeypatch)
+
+def test_what_no_recipe_can_hold_is_one_sentence(tmp_path):
+    table = OTHERS["animal_presence"](None)
+    with pytest.raises(InputError, match=r"no figure 'animal_presense' \(did you mean 'animal_p"):
+        draw_figure("animal_presense", table, tmp_path / "x")
+    with pytest.raises(InputError, match="animal_presence has no option 'unit'; it takes none"):
+        draw_figure("animal_presence", table, tmp_path / "x", unit="px")
+    with pytest.raises(InputError, match="picture is a ndarray, which no recipe can hold"):
+        draw_figure("pose_overlay", table, tmp_path / "x", picture=WAVE)
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.slow

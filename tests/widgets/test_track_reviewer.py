@@ -9,6 +9,7 @@ from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
 from pawnb.io import read_tracks
+from pawnb.io.native import write_tracks
 from pawnb.widgets import TrackReviewer
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.results import write_track_results
@@ -190,6 +191,43 @@ def test_the_minutes_of_a_review_are_counted_shown_and_saved(trial_file, tmp_pat
     again = TrackReviewer(trial_file, saved, edits=tmp_path / "edits.jsonl")
     assert again.effort()["minutes"] == 0.75
     again.close()
+
+
+@pytest.mark.slow
+def test_what_saved_tracks_contain_is_undone_in_another_session(trial_file, tmp_path):
+    options = {"edits": tmp_path / "edits.jsonl"}
+    first = TrackReviewer(trial_file, scene.true_tracks(), **options)
+    was = first.session.position(3, "cam1", "HR")
+    put(first, 3)
+    first.session.swap(20, "FR", "HR", stop=25)
+    put(first, 3, what="action", action="save")
+    assert first.alarm == ""
+    first.close()
+    again = TrackReviewer(trial_file, read_tracks(tmp_path / "tracks.nc"), **options)
+    for _ in range(2):
+        put(again, 3, what="action", action="undo")
+    assert again.alarm == ""
+    assert again.session.position(3, "cam1", "HR") == pytest.approx(was, abs=1e-3)
+    assert "0 corrections" in again.status
+    assert not again.session.can_undo
+    put(again, 3, what="action", action="redo")
+    assert again.session.position(3, "cam1", "HR") == (9.0, 9.0)
+    again.close()
+    # the saved tracks went along: nothing of it stands in the way of a third session
+    third = TrackReviewer(trial_file, read_tracks(tmp_path / "tracks.nc"), **options)
+    assert third.session.position(3, "cam1", "HR") == (9.0, 9.0)
+    # tracks that do not come of those from before are left as they are, and that is said
+    put(third, 3, what="action", action="save")
+    third.close()
+    other = scene.true_tracks()
+    other["image_position"][30] += 5.0
+    write_tracks(other, tmp_path / "tracks.before.nc")
+    last = TrackReviewer(trial_file, read_tracks(tmp_path / "tracks.nc"), **options)
+    put(last, 3, what="action", action="undo")
+    assert "do not lead to these" in last.alarm
+    assert last.session.position(3, "cam1", "HR") == (9.0, 9.0)
+    assert "1 correction" in last.status
+    last.close()
 
 
 def test_tracks_that_were_made_meanwhile_are_not_written_over(trial_file, tmp_path):

@@ -11,11 +11,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from pawnb.core.edits.effects import Retracker, RigLike, apply_edit, check_editable
+from pawnb.core.edits.hidden import hidden_by_hand
 from pawnb.core.edits.records import (
     EDIT_LINES,
     Accept,
@@ -39,6 +42,10 @@ __all__ = [
     "EDIT_LINES", "Accept", "Delete", "Edit", "EditLog", "Hide", "Interpolate", "Move", "Pose",
     "Retrack", "Swap", "apply_edit", "describe_edit", "replay",
 ]  # fmt: skip
+
+
+_ROUNDED_PX = 1e-3
+"""Files of tracks may keep single precision: 1/4096 px at 4096 px."""
 
 
 @dataclass(frozen=True)
@@ -68,6 +75,9 @@ class EditLog:
     retrack : callable, optional
         ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on; it is given
         ``learn=True`` as well where colours are to be learnt anew.
+    before : callable, optional
+        ``before() -> Tracks`` reads the tracks as they were before any correction, so that those
+        that the opened tracks contain can be undone, too.
 
     Attributes
     ----------
@@ -92,8 +102,10 @@ class EditLog:
         rig: RigLike | None = None,
         px_per_unit: float | None = None,
         retrack: Retracker | None = None,
+        before: Callable[[], Tracks] | None = None,
     ) -> None:
         check_editable(tracks)
+        self._before = before
         self._rig, self._px_per_unit, self._retrack = rig, px_per_unit, retrack
         self._file = None if path is None else Journal(path, EDIT_LINES, made_in="tracks")
         entries = self._file.entries if self._file is not None else []
@@ -117,8 +129,17 @@ class EditLog:
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is a correction to undo that the opened tracks did not contain."""
-        return bool(self._changes)
+        """Whether there is a correction to undo.
+
+        Those that the opened tracks contain can be undone where the tracks from before are
+        there, unless the trial was tracked again among them.
+        """
+        return bool(self._changes) or self._can_reach_back
+
+    @property
+    def n_contained(self) -> int:
+        """How many corrections the opened tracks contain that were not taken back since."""
+        return self._contained
 
     @property
     def can_redo(self) -> bool:
@@ -165,6 +186,8 @@ class EditLog:
         InputError
             If the file cannot be written; nothing has changed then.
         """
+        if not self._changes and self._can_reach_back:
+            self._reach_back()
         if not self._changes:
             return None
         self._write("undo", back_to=self.tracks)
@@ -229,6 +252,30 @@ class EditLog:
                 "opened here, which these tracks lack; open the tracks again."
             )
 
+    @property
+    def _can_reach_back(self) -> bool:
+        contained = self._past[: self._contained]
+        again = any(isinstance(edit, Retrack) for edit in contained)
+        return self._before is not None and bool(contained) and not again
+
+    def _reach_back(self) -> None:
+        """Make the corrections again that the opened tracks contain, so that they can be undone."""
+        assert self._before is not None  # noqa: S101
+        present, edits = self.tracks, self._past[: self._contained]
+        self.tracks, reached = self._before(), False
+        try:
+            changes = [self._change(edit, edits[:k]) for k, edit in enumerate(edits)]
+            reached = _same_places(self.tracks, present)
+        finally:
+            if not reached:
+                self.tracks = present
+        if not reached:
+            raise InputError(
+                "the tracks from before do not lead to these, so corrections that these contain "
+                "cannot be undone."
+            )
+        self._contained, self._changes = 0, changes
+
     def _change(self, edit: Edit, past: Sequence[Edit]) -> _Change:
         """Apply a correction to the present tracks and remember what it changed."""
         before = self.tracks
@@ -238,7 +285,7 @@ class EditLog:
             rig=self._rig,
             px_per_unit=self._px_per_unit,
             retrack=self._retrack,
-            hidden=_hidden_by_hand(past, before),
+            hidden=hidden_by_hand(past, before),
         )
         if isinstance(edit, Retrack):
             return _Change(edit, before, self.tracks, None)
@@ -348,38 +395,12 @@ def _contains(past: Sequence[Edit], stamp: dict | None) -> bool:
     )
 
 
+def _same_places(one: Tracks, other: Tracks) -> bool:
+    """Whether two tracks have each point in the same places, but for how files round."""
+    a, b = (tracks["image_position"].to_numpy() for tracks in (one, other))
+    return a.shape == b.shape and np.allclose(a, b, atol=_ROUNDED_PX, equal_nan=True)
+
+
 def _checksum(edits: Sequence[Edit]) -> str:
     """Return a checksum of corrections, independent of undone ones between them."""
     return hashlib.sha256("\n".join(map(EDIT_LINES.to_line, edits)).encode()).hexdigest()
-
-
-def _hidden_by_hand(past: Sequence[Edit], tracks: Tracks) -> list[Hide]:
-    """Return the points that a person marked as not visible and did not place again."""
-    frames = tracks["frame"].to_numpy()
-    views = [str(name) for name in tracks["view"].to_numpy()]
-
-    def places(edit: Hide | Interpolate) -> list[tuple[int, str, str]]:
-        own = views if edit.view is None else [edit.view]
-        return [(int(f), v, edit.point) for f in frames[rows_of_edit(tracks, edit)] for v in own]
-
-    hidden: dict[tuple[int, str, str], None] = {}
-    for edit in past:
-        if isinstance(edit, Hide):
-            hidden |= dict.fromkeys(places(edit))
-        elif isinstance(edit, Move | Accept):
-            hidden.pop((edit.frame, edit.view, edit.point), None)
-        elif isinstance(edit, Pose):
-            hidden = {place: None for place in hidden if place[0] != edit.frame}
-        elif isinstance(edit, Interpolate):
-            for place in places(edit):
-                hidden.pop(place, None)
-        elif isinstance(edit, Swap):
-            other = {edit.first: edit.second, edit.second: edit.first}
-            stop = frames[-1] + 1 if edit.stop is None else edit.stop
-            hidden = {
-                (f, v, other.get(p, p))
-                if edit.frame <= f < stop and edit.view in (None, v)
-                else (f, v, p): None
-                for f, v, p in hidden
-            }
-    return [Hide(frame=f, view=v, point=p) for f, v, p in hidden]

@@ -52,7 +52,27 @@ def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent) -> Any:
 
 
 def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.DataFrame:
-    """Return the events with one more, in its place among those of its leg."""
+    """Return the events with one more, in its place among those of its leg.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Every event; not modified.
+    edit : AddEvent
+        The correction.
+    tables : GaitTables
+        The analysis, for its signals and settings.
+
+    Returns
+    -------
+    DataFrame
+        Events in the order they had.
+
+    Raises
+    ------
+    InputError
+        If the correction does not fit the events.
+    """
     own = own_events(events, edit)
     known = ", ".join(dict.fromkeys(own["event"]))
     if edit.event not in set(own["event"]):
@@ -102,7 +122,27 @@ def _recorded(tables: GaitTables, edit: AddEvent, events: pd.DataFrame) -> tuple
 
 
 def move_event(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.DataFrame:
-    """Return the events with one of them moved between its neighbours."""
+    """Return the events with one of them moved between its neighbours.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Every event; changed in place.
+    edit : MoveEvent
+        The correction.
+    tables : GaitTables
+        The analysis, for its signals and settings.
+
+    Returns
+    -------
+    DataFrame
+        Events in the order they had; the same table.
+
+    Raises
+    ------
+    InputError
+        If the correction does not fit the events.
+    """
     label, own = find_event(events, edit), own_events(events, edit)
     others = own.loc[
         own["event"].isin(_pair_of(edit.event)) & (own.index != label), "time_s"
@@ -146,9 +186,32 @@ def exclude_stride(
     events: pd.DataFrame,
     edit: ExcludeStride,
     tables: GaitTables,
+    *,
     before: Sequence[tuple[str, str, str, float, str]],
 ) -> tuple[str, str, str, float, str]:
-    """Return animal, trial, leg, the middle of the stride that shall not count, and why."""
+    """Return which stride shall not count.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Every event; not modified.
+    edit : ExcludeStride
+        The correction.
+    tables : GaitTables
+        The analysis, for its signals and settings.
+    before : sequence of tuple
+        Those that are excluded already.
+
+    Returns
+    -------
+    tuple
+        Animal, trial, leg, the middle of the stride, s, and why.
+
+    Raises
+    ------
+    InputError
+        If the correction does not fit the events.
+    """
     if not edit.reason.strip():
         raise InputError("a stride is excluded for a reason; say why.")
     own = own_events(events, edit)

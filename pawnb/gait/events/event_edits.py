@@ -255,7 +255,7 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     excluded: list[tuple[str, str, str, float, str]] = []
     for edit in edits:
         if isinstance(edit, ExcludeStride):
-            excluded.append(exclude_stride(events, edit, tables, excluded))
+            excluded.append(exclude_stride(events, edit, tables, before=excluded))
         elif isinstance(edit, DeleteEvent):
             events = events.drop(index=find_event(events, edit))
         elif isinstance(edit, AddEvent):

@@ -208,6 +208,14 @@ def _trial(
         raise InputError(f"{path}: {file}: gait is {shown(settings)}; expected {{ name = value }}.")
     words = {n: str(known[n]) for n in ("name", "group", "condition") if n in known}
     fields = {name: value for name, value in known.items() if name not in _OF_TRIAL}
+    for name, value in fields.items():
+        if isinstance(value, dict | list):
+            hint = did_you_mean(name, _OF_TRIAL)
+            if name == "legs":
+                hint = " (legs have a section of their own, [legs])"
+            raise InputError(
+                f"{path}: {file}: {name} is {shown(value)}{hint}; expected a number or a word."
+            )
     return StudyTrial(
         path=path.parent / file, animal=animal, fps=fps, settings=settings, fields=fields, **words
     )

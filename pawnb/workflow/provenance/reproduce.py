@@ -20,6 +20,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
+from pawnb.workflow.gait.draw_figure import STEP, redraw
 from pawnb.workflow.gait.request import ASKED, GaitRequest, TakenOver
 from pawnb.workflow.gait.run import carry_out
 from pawnb.workflow.provenance.find_inputs import find_inputs, places_of
@@ -287,6 +288,17 @@ def _make_comparison(task: _Task) -> None:
                     labels=found)  # fmt: skip
 
 
+def _make_drawing(task: _Task) -> None:
+    """Draw a figure of one's own again from its tables."""
+    step = task.step
+    found = find_inputs(step["inputs"], task.places, of=task.path)
+    files = {name: found[label] for name, label in step["tables"].items()}
+    for name in {Path(one).stem for one in task.names}:
+        (task.out / "figures").mkdir(exist_ok=True)
+        redraw({**step, "name": name}, files, task.out / "figures")
+
+
 _MAKERS: dict[str, Callable[[_Task], None]] = {
     "gait": _make_gait, "track": _make_tracks, "compare": _make_comparison,
+    STEP: _make_drawing,
 }  # fmt: skip

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import html.parser
 import json
 import re
@@ -16,12 +17,13 @@ from PIL import Image
 from pawnb.cli import main
 from pawnb.figures.measure_heat_map import say_measure
 from pawnb.gait import analyse_events
+from pawnb.gait.cycles import LegSignals
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
-from pawnb.workflow.provenance.report.report import _by_leg
+from pawnb.workflow.provenance.report.report import _by_group, _by_leg
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.report.words import figure_order
 
@@ -101,9 +103,60 @@ def test_the_methods_count_what_the_tables_hold():
         "settings_of_trials": {"m1, t1": {"min_stance_s": 0.02}}, "sources": {},
     }  # fmt: skip
     text = "\n".join(methods_paragraphs(tables, {}, step=step))
-    assert "2 trials of 2 animals: 20 strides (FR 10, FL 10)" in text
+    assert "2 trials of 2 animals: 20 strides (FR 10, FL 10), 10 of each animal." in text
     assert "m1, t1: min_stance_s 0.02" in text
     assert "Butterworth" not in text  # nothing was smoothed
+
+
+def test_the_methods_say_what_was_in_force_and_whose_strides_they_are():
+    """As a reviewer asks: cut-offs, gaps and confidence in force, settings by hand, n by group."""
+    notes = [
+        f"t{k}: FR (position): about 3 strides a second; low-pass {hz} Hz, gaps bridged up to "
+        f"{gap} s, stance at least 0.03 s."
+        for k, (hz, gap) in enumerate([(33.9, 0.0295), (27.4, 0.0365)])
+    ] + ["t0: positions with a confidence below 0.6 count as missing."]
+    position = LegSignals(
+        animal="m1", trial="t0", legs=("FR",), time_s=np.arange(9) / 100, samples=np.zeros((9, 1))
+    )
+    tables = dataclasses.replace(analyse_events(events()), notes=tuple(notes), signals=(position,))
+    step = {
+        "settings": {"cutoff_hz": None, "min_stance_s": 0.03, "bouts": True},
+        "versions": {"pawnb": "1", "python": "3"}, "sources": {},
+    }  # fmt: skip
+    groups = {"m1": "b", "m2": "a"}
+    every = {"strides": tables.strides.assign(group=tables.strides["animal"].map(groups))}
+    tracks = make_tracks(range(10), ["FR"], fps=200.0)
+    tracks.attrs["source_software"] = "DeepLabCut"
+    text = "\n".join(methods_paragraphs(tables, every, step=step, tracked=[tracks]))
+    assert "stride frequency of each trial (27.4 to 33.9 Hz)" in text
+    assert "Gaps were bridged up to 0.0295 to 0.0365 s." in text
+    assert "confidence was below 0.6." in text
+    assert "Settings by hand: min_stance_s 0.03." in text
+    assert "Groups: a 1 animal, 10 strides; b 1 animal, 10 strides." in text
+    assert "Nat. Neurosci. 21: 1281-1289" in text
+
+
+def test_reasons_that_differ_in_numbers_only_are_one_line():
+    why = ["not tracked for 11 frames; gaps are bridged up to 0.03 s",
+           "not tracked for 7 frames; gaps are bridged up to 0.03 s", "no AEP of L1 in stride 3",
+           "no AEP of L2 in stride 4"]  # fmt: skip
+    dropped = pd.DataFrame({"animal": "m1", "what": "track", "why": why})
+    counted = count_dropped(dropped, ["what", "why"])
+    assert counted.to_numpy().tolist() == [
+        ["track", "not tracked for 7 to 11 frames; gaps are bridged up to 0.03 s", 2],
+        ["track", "no AEP of L1 in a stride", 1],
+        ["track", "no AEP of L2 in a stride", 1],
+    ]
+
+
+@pytest.mark.slow
+def test_results_of_an_analysis_are_no_study(tmp_path, capsys):
+    """Their events alone would tell no filter, and hardly a drop."""
+    events().to_csv(tmp_path / "scored.csv", index=False)
+    run_gait(tmp_path / "scored.csv", out=tmp_path / "g", figures="none", command=["pawnb", "gait"])
+    assert main(["report", str(tmp_path / "g"), "-o", str(tmp_path / "r.html")]) == 2
+    assert "holds the results of an analysis (pawnb gait) and not" in capsys.readouterr().err
+    assert not (tmp_path / "r.html").exists()
 
 
 def test_one_animal_has_no_statistics_over_animals():
@@ -131,6 +184,20 @@ def test_the_methods_say_how_points_were_tracked():
     assert "20 frames at 200 to 500 frames a second by pawnb, DeepLabCut" in text
     assert "1 of 15 labels were placed by hand" in text  # those of DeepLabCut do not say
     assert tracking_sentences([]) == ""
+
+
+def test_differences_of_groups_stand_in_a_line_with_both_kinds_of_p():
+    row = {"measure": "duty factor", "leg": "all", "reference": np.nan, "group_a": "ctl",
+           "group_b": "cut", "n_animals_a": 2, "n_animals_b": 3, "mean_a": 0.6472, "mean_b": 0.7037,
+           "difference": 0.0565, "ci_low": 0.03797, "ci_high": 0.07503, "p": 0.0055,
+           "p_adjusted": 0.0055, "p_all_measures": 0.0715}  # fmt: skip
+    phase = row | {"measure": "phase", "leg": "FR", "reference": "HR", "ci_low": np.nan}
+    made = _by_group(pd.DataFrame([row, phase]))
+    assert made.iloc[0].tolist() == [
+        "duty factor", "ctl 0.6472 (2); cut 0.7037 (3)", "0.0565 (0.03797 to 0.07503)", "0.0055",
+        "0.0055", "0.0715",
+    ]  # fmt: skip
+    assert made.iloc[1, [0, 2]].tolist() == ["phase FR to HR", "0.0565"]
 
 
 def test_measures_stand_by_leg_with_their_units():

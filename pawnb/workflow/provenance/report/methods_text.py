@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
-from pawnb.gait import GaitTables
+from pawnb.gait import EventSettings, GaitTables
 from pawnb.schema import Tracks
+from pawnb.workflow.gait.statistics import length_unit
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 
 _FILTER = (
     "a zero-phase Butterworth low-pass of fourth order (both passes together; half power at the "
     "cut-off)"
 )
+_TESTS = {
+    "legs exchanged within trials": "permutation tests (legs exchanged within trials)",
+    "Welch's t": "Welch's t test of the means of animals",
+    "Welch's t of phases": "the same of phases",
+}
+"""Tests under the names that tables give them, in a sentence."""
 _PROGRAMS = ("numpy", "scipy", "pandas", "xarray", "matplotlib")
 SOURCES = {
     "pullar": "Pullar K (2009) Markerless motion capture applied to the analysis of locomotor "
@@ -27,6 +36,28 @@ SOURCES = {
     "J. Neurosci. Methods 164: 177-190.",
     "zar": "Zar JH (2010) Biostatistical Analysis. 5th ed. Pearson. (Rayleigh's test)",
 }
+PROGRAMS = {
+    "DeepLabCut": "Mathis A, Mamidanna P, Cury KM, Abe T, Murthy VN, Mathis MW, Bethge M (2018) "
+    "DeepLabCut: markerless pose estimation of user-defined body parts with deep learning. Nat. "
+    "Neurosci. 21: 1281-1289.",
+    "SLEAP": "Pereira TD et al. (2022) SLEAP: a deep learning system for multi-animal pose "
+    "tracking. Nat. Methods 19: 486-495.",
+    "Lightning Pose": "Biderman D et al. (2024) Lightning Pose: improved animal pose estimation "
+    "via semi-supervised learning, Bayesian ensembling and cloud-native open-source tools. Nat. "
+    "Methods 21: 1316-1328.",
+    "Anipose": "Karashchuk P et al. (2021) Anipose: a toolkit for robust markerless 3D pose "
+    "estimation. Cell Rep. 36: 109730.",
+    "DLTdv": "Hedrick TL (2008) Software techniques for two- and three-dimensional kinematic "
+    "measurements of biological and biomimetic systems. Bioinspir. Biomim. 3: 034001.",
+    "Argus": "Jackson BE, Evangelista DJ, Ray DD, Hedrick TL (2016) 3D for the people: "
+    "multi-camera motion capture in the field with consumer-grade cameras and open source "
+    "software. Biol. Open 5: 1334-1342.",
+    "LocoMouse": "Machado AS, Darmohray DM, Fayad J, Marques HG, Carey MR (2015) A quantitative "
+    "framework for whole-body coordination reveals specific deficits in freely walking ataxic "
+    "mice. eLife 4: e07892.",
+}
+"""What is to be cited for tracks of other programs, by the name that tracks give."""
+_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?!\w)")
 
 
 def methods_paragraphs(
@@ -55,51 +86,101 @@ def methods_paragraphs(
         Paragraphs: data, events and filter, statistics, what was dropped, programs and sources.
     """
     tracking = tracking_sentences(tracked)
-    said = [_data(tables), *([tracking] if tracking else []), _events(tables, step)]
+    said = [_data(tables, further), *([tracking] if tracking else []), _events(tables, step)]
     return [
         *said,
         _statistics(tables, further),
         _dropped(tables),
         _programs(step),
-        _sources(tables, further, step),
+        _sources(tables, further, step, tracked),
     ]
 
 
-def _data(tables: GaitTables) -> str:
-    """Say of whom, and how many strides."""
+def _data(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
+    """Say of whom, how many strides of each, in which groups and in which unit."""
     who = tables.events[["animal", "trial"]].drop_duplicates()
     strides = tables.strides
     by_leg = ", ".join(f"{leg} {n}" for leg, n in strides.groupby("leg", sort=False).size().items())
     counted = _number(who["animal"].nunique(), "animal")
-    return (
+    each = strides.groupby("animal", sort=False).size().tolist()
+    spread = f", {_range(each)} of each animal" if len(each) > 1 else ""
+    said = [
         f"Gait was analysed in {_number(len(who), 'trial')} of {counted}: "
-        f"{_number(len(strides), 'stride')}{f' ({by_leg})' if by_leg else ''}."
-    )
+        f"{_number(len(strides), 'stride')}{f' ({by_leg})' if by_leg else ''}{spread}."
+    ]
+    grouped = further.get("strides", strides)
+    if "group" in grouped and grouped["group"].notna().any():
+        own = [
+            f"{group} {_number(one['animal'].nunique(), 'animal')}, {_number(len(one), 'stride')}"
+            for group, one in grouped.groupby("group", sort=True)
+        ]
+        said.append(f"Groups: {'; '.join(own)}.")
+    unit = length_unit(tables)
+    if unit is not None:
+        said.append(f"Lengths are in {unit}{', not calibrated' if unit == 'px' else ''}.")
+    return " ".join(said)
 
 
 def _events(tables: GaitTables, step: Mapping[str, Any]) -> str:
     """Say how events were found and strides made of them."""
     counts = tables.events.groupby(["event", "method"], sort=False).size().reset_index(name="n")
     found = ", ".join(f"{row.event} ({row.method}, {row.n})" for row in counts.itertuples())
-    settings = step["settings"]
-    cutoff = settings.get("cutoff_hz")
-    filtered = (
-        f" at {cutoff:g} Hz"
-        if cutoff is not None
-        else " at ten times the stride frequency of the trial, and not at all where that is too "
-        "near the frame rate (the notes say it trial by trial)"
+    said = [f"Events: {found or 'none'}."]
+    said += [f"Positions were smoothed by {_filtered(tables, step)}."] * bool(tables.signals)
+    said += [
+        f"{words} {_range(values)}{unit}."
+        for words, pattern, unit in (
+            ("Positions counted as missing where their confidence was below",
+             r"confidence below ([\d.]+)", ""),
+            ("Gaps were bridged up to", r"gaps bridged up to ([\d.]+) s", " s"),
+        )
+        if (values := _noted(tables, pattern))
+    ]  # fmt: skip
+    said.append(
+        "A stride runs from AEP (or touch-down, where only contact is known) to the next of the "
+        "same leg."
     )
+    usual = {field.name: field.default for field in dataclasses.fields(EventSettings)}
+    changed = {
+        name: value
+        for name, value in step["settings"].items()
+        if name != "cutoff_hz" and name in usual and value != usual[name]
+    }
+    said += [f"Settings by hand: {_settings(changed)}."] * bool(changed)
     own = step.get("settings_of_trials") or {}
-    told = "; ".join(
-        f"{who}: " + ", ".join(f"{name} {value}" for name, value in changed.items())
-        for who, changed in own.items()
-    )
-    smoothed = f" Positions were smoothed by {_FILTER}{filtered}." if tables.signals else ""
+    told = "; ".join(f"{who}: {_settings(values)}" for who, values in own.items())
+    said += [f"Settings of single trials: {told}."] * bool(told)
+    return " ".join(said)
+
+
+def _filtered(tables: GaitTables, step: Mapping[str, Any]) -> str:
+    """Name the filter and its cut-off, which is that of each trial where none was given."""
+    cutoff = step["settings"].get("cutoff_hz")
+    if cutoff is not None:
+        return f"{_FILTER} at {cutoff:g} Hz"
+    found = _noted(tables, r"low-pass ([\d.]+) Hz")
+    values = f" ({_range(found)} Hz)" if found else ""
     return (
-        f"Events: {found or 'none'}.{smoothed} A stride runs from AEP (or touch-down, where only "
-        "contact is known) to the next of the same leg."
-        + (f" Settings of single trials: {told}." if told else "")
+        f"{_FILTER} at ten times the stride frequency of each trial{values}, and not at all where "
+        "that is too near the frame rate (the notes say it trial by trial)"
     )
+
+
+def _noted(tables: GaitTables, pattern: str) -> list[float]:
+    """Return the numbers that the notes on the trials give."""
+    found = [re.findall(pattern, str(note)) for note in tables.notes]
+    return [float(number) for numbers in found for number in numbers]
+
+
+def _range(values: Sequence[float]) -> str:
+    """Return a number, or the least and the largest of several."""
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"
+
+
+def _settings(values: Mapping[str, Any]) -> str:
+    """Return settings with their values."""
+    return ", ".join(f"{name} {value}" for name, value in values.items())
 
 
 def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
@@ -115,7 +196,8 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
         table = further.get(name)
         if table is not None and "method" in table:
             methods = dict.fromkeys(str(m).split(",")[0] for m in table["method"].dropna())
-            said.append(f"{words} {' and '.join(methods)}")
+            named = [_TESTS.get(method, method) for method in methods]
+            said.append(f"{words} {' and '.join(named)}")
     if "groups" in further:
         design = str(further["groups"]["design"].iloc[0])
         said.append(
@@ -151,7 +233,7 @@ def _dropped(tables: GaitTables) -> str:
 
 
 def count_dropped(dropped: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
-    """Count what was left out by reason, whichever stride of a trial it was.
+    """Count what was left out by reason, whichever stride of a trial it was and however long.
 
     Parameters
     ----------
@@ -165,9 +247,20 @@ def count_dropped(dropped: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
     pandas.DataFrame
         These columns and ``n``, the most frequent first.
     """
-    any_stride = dropped["why"].astype(str).str.replace(r"\bstride \d+\b", "a stride", regex=True)
-    counts = dropped.assign(why=any_stride).groupby(list(by), sort=True).size()
-    return counts.reset_index(name="n").sort_values("n", ascending=False, kind="stable")
+    own = dropped.assign(
+        why=dropped["why"].astype(str).str.replace(r"\bstride \d+\b", "a stride", regex=True)
+    )
+    own["alike"] = own["why"].str.replace(_NUMBER, "#", regex=True)
+    groups = own.groupby([*(name for name in by if name != "why"), "alike"], sort=True)
+    counts = groups.agg(why=("why", _together), n=("why", "size")).reset_index()
+    return counts[[*by, "n"]].sort_values("n", ascending=False, kind="stable")
+
+
+def _together(reasons: pd.Series) -> str:
+    """Return reasons that differ in their numbers only as one, with the range of each number."""
+    numbers = [_NUMBER.findall(reason) for reason in reasons]
+    ranges = iter([_range([float(one) for one in same]) for same in zip(*numbers, strict=True)])
+    return _NUMBER.sub(lambda _: next(ranges), str(reasons.iloc[0]))
 
 
 def _programs(step: Mapping[str, Any]) -> str:
@@ -178,7 +271,10 @@ def _programs(step: Mapping[str, Any]) -> str:
 
 
 def _sources(
-    tables: GaitTables, further: Mapping[str, pd.DataFrame], step: Mapping[str, Any]
+    tables: GaitTables,
+    further: Mapping[str, pd.DataFrame],
+    step: Mapping[str, Any],
+    tracked: Sequence[Tracks],
 ) -> str:
     """Name what is to be cited."""
     n_animals = tables.events["animal"].nunique()
@@ -189,7 +285,11 @@ def _sources(
     wanted += ["pullar"] if {"scaling", "against_speed", "joint_ranges"} & set(further) else []
     used = [made.get("method") for steps in step.get("sources", {}).values() for made in steps]
     wanted += ["paper"] if {"paper", "slic-2d", "slic-3d"} & set(used) else []
-    return "To cite: pawnb (CITATION.cff). " + " ".join(SOURCES[name] for name in wanted)
+    told = dict.fromkeys(str(tracks.attrs.get("source_software", "")) for tracks in tracked)
+    others = [source for name, source in PROGRAMS.items() if name in told]
+    return " ".join(
+        ["To cite: pawnb (CITATION.cff).", *(SOURCES[name] for name in wanted), *others]
+    )
 
 
 def _number(n: int, what: str) -> str:

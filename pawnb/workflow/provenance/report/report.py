@@ -9,9 +9,11 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.errors import InputError
 from pawnb.figures.measure_heat_map import say_measure
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.files import write_whole
+from pawnb.schema import each_of
 from pawnb.workflow.gait.request import GaitRequest, Legs
 from pawnb.workflow.gait.run import GaitRun, carry_out
 from pawnb.workflow.gait.statistics import length_unit
@@ -27,10 +29,9 @@ _TABLES = (
     "trials", "groups", "phase_summary", "animals", "legs", "against_speed", "phase_speed",
     "scaling", "expected_exponents", "joint_ranges", "steadiness", "stride_durations",
 )  # fmt: skip
-_OF_GROUPS = (
-    "measure", "leg", "reference", "group_a", "group_b", "n_animals_a", "n_animals_b", "mean_a",
-    "mean_b", "difference", "ci_low", "ci_high", "p", "p_adjusted",
-)  # fmt: skip
+_P_OF_GROUPS = {
+    "p": "p", "p_adjusted": "p, Holm within the measure", "p_all_measures": "p over all measures",
+}  # fmt: skip
 _OF_LEGS = ("leg", "measure", "mean", "ci_low", "ci_high")
 _BY_LEG = "Means over animals, each counted once, with 95 % intervals where there are several."
 _MOST_ROWS = 60
@@ -70,8 +71,10 @@ def write_report(
     Raises
     ------
     InputError
-        As :func:`pawnb.run_gait`.
+        As :func:`pawnb.run_gait`, and for a folder that holds nothing but results of an analysis.
     """
+    for path in each_of(inputs, what="inputs"):
+        _need_sources(Path(path))
     request = GaitRequest(inputs=inputs, fps=fps, legs=legs, settings=settings)
     alone = isinstance(inputs, str | Path) and Path(inputs).is_file()
     beside = Path(inputs).parent if alone and isinstance(inputs, str | Path) else Path()
@@ -80,6 +83,19 @@ def write_report(
         run = carry_out(request, out=folder, command=command)
         write_whole(target, report_page(run).encode())
     return target
+
+
+def _need_sources(folder: Path) -> None:
+    """Refuse a folder of nothing but gait results: their events tell no filter and no drops."""
+    manifest = read_manifest(folder) if folder.is_dir() else None
+    if manifest is None or "tracks.nc" in manifest.files or not manifest.steps_of("gait"):
+        return
+    command = next((step["command"] for step in manifest.steps_of("gait") if step["command"]), "")
+    asked = f" ({command})" if command else ""
+    raise InputError(
+        f"{folder} holds the results of an analysis{asked} and not what that was made from; name "
+        "the study or the tracks, and their methods are told in full."
+    )
 
 
 def report_page(run: GaitRun) -> str:
@@ -146,16 +162,39 @@ def _tables(run: GaitRun) -> list[str]:
             continue
         values = pd.read_csv(path)
         if name == "groups":  # those of single legs are follow-ups
-            values = values.loc[values["role"] != "follow-up", list(_OF_GROUPS)]
+            values = values.loc[values["role"] != "follow-up"]
         values = values.drop(columns="note", errors="ignore").dropna(axis=1, how="all")
         if "measure" in values:
             values["measure"] = [say_measure(str(own), unit=unit) for own in values["measure"]]
         parts.append(f"<h3>{text(FILES[path.name])} ({path.name})</h3>")
+        if name == "groups":
+            values = _by_group(values)
         if name == "animals":
             values = _by_leg(values)
             parts.append(f'<p class="small">{_BY_LEG}</p>')
         parts.append(table(values, most=_MOST_ROWS))
     return parts
+
+
+def _by_group(values: pd.DataFrame) -> pd.DataFrame:
+    """Lay out the differences so that intervals and p stand on the page, whatever the groups."""
+
+    def cell(row: Any, name: str) -> str:
+        return f"{row[name]:.4g}" if pd.notna(row.get(name)) else ""
+
+    rows = []
+    for row in values.to_dict(orient="records"):
+        of = [str(row[name]) for name in ("leg", "reference") if pd.notna(row.get(name))]
+        leg = "" if of in ([], ["all"]) else f" {' to '.join(of)}"
+        means = [f"{row[f'group_{k}']} {cell(row, f'mean_{k}')} ({row[f'n_animals_{k}']})"
+                 for k in "ab"]  # fmt: skip
+        low, high = cell(row, "ci_low"), cell(row, "ci_high")
+        interval = f" ({low} to {high})" if low and high else ""
+        p = {name: cell(row, own) for own, name in _P_OF_GROUPS.items()}
+        differs = cell(row, "difference") + interval
+        own = {"measure": f"{row['measure']}{leg}", "means (animals)": "; ".join(means)}
+        rows.append({**own, "second less first (95 % interval)": differs, **p})
+    return pd.DataFrame(rows)
 
 
 def _by_leg(values: pd.DataFrame) -> pd.DataFrame:
