@@ -31,8 +31,8 @@ from scipy.special import expit
 
 import pawnb
 from pawnb.core.paws.offline import learnt_run, weighing
-from pawnb.core.paws.offline.output import SEEN
-from pawnb.core.paws.offline.quality.calibration import standard_deviation
+from pawnb.core.paws.offline.parameters import RUN
+from pawnb.core.paws.offline.quality.calibration import of_all_views, standard_deviation
 from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
 from pawnb.core.paws.offline.quality.signs import SIGNS
@@ -44,10 +44,10 @@ one standard deviation of a sign costs one half."""
 ROUNDS = 3
 """Times that weights are learnt again with what left-out clicks say by the weights before."""
 
-STRICTER = 0.5
-"""The offset is so much below the fit: doubt in vain costs less than none. 0.3, 0.5 and 0.7 give
-14, 15 and 14 right verdicts of 18, and doubt of 54, 58 and 63 % of wrong labels, 6, 7 and 9 % of
-right ones."""
+STRICTER = 0.4
+"""The offset is so much below the fit: doubt in vain costs less than none. 0.2, 0.3, 0.4, 0.5 and
+0.6 give 15, 16, 16, 15 and 15 right verdicts of 18, and doubt of 65, 67, 71, 75 and 76 % of wrong
+labels, 7, 7, 8, 8 and 10 % of right ones."""
 
 
 def parse() -> argparse.Namespace:
@@ -94,7 +94,10 @@ def cell(clip: real.Clip, n: int, cache: Path) -> tuple[pd.DataFrame, pd.DataFra
         found = real.compare(clip.marks, clicks, None, clip.threshold_px)
         points = tracks["keypoint"].to_numpy().tolist()
         rows = pd.Series(range(tracks.sizes["time"]), index=tracks["frame"].to_numpy())
-        signs = measure(found, views, clip.threshold_px, points=points, rows=rows)
+        signs = measure(
+            found, views, clip.threshold_px, points=points, rows=rows,
+            calibrated=tracks.sizes["space"] == 3,
+        )  # fmt: skip
         clicked = [click for call in heard.call_args_list for click in call.args[0]]
         pd.DataFrame(
             [{"point": c.point, "right": c.right, **dict(zip(SIGNS, c.signs, strict=True))}
@@ -118,17 +121,26 @@ def measure(
     *,
     points: list[str],
     rows: pd.Series,
+    calibrated: bool,
 ) -> pd.DataFrame:
-    """Return for each mark whether its label is right, its signs, how far off and how exact."""
+    """Return for each mark whether its label is right, its signs, how far off and how exact.
+
+    Signs of calibrated views are means over the views, as what they say is.
+    """
     found = []
     for mark in marks.itertuples():
         stack, tracks, _ = views[mark.view].args
-        row, own = int(rows[mark.frame]), tracks[points.index(mark.point)]
+        row, p = int(rows[mark.frame]), points.index(mark.point)
+        own = tracks[p]
         off = stack.picture_of(own.found.place[row], row) - [mark.u, mark.v]
-        signs = dict(zip(SIGNS, own.signs.columns()[row], strict=True))
+        told = [view.args[1] for view in views.values()] if calibrated else [tracks]
+        of_views = [one[p].signs for one in told if p in one]
+        columns = np.mean([signs.columns()[row] for signs in of_views], axis=0)
+        probability = of_all_views(np.array([signs.probability[row] for signs in of_views]))[0]
         found.append({
-            "point": points.index(mark.point), "ok": np.hypot(*off) <= px,
-            "off_u": off[0], "off_v": off[1], **signs, "probability": own.signs.probability[row],
+            "point": p, "ok": np.hypot(*off) <= px,
+            "off_u": off[0], "off_v": off[1], **dict(zip(SIGNS, columns, strict=True)),
+            "probability": probability if calibrated else own.signs.probability[row],
             "sd_px": own.found.sd[row] * stack.spacing / stack.scale, "extent": stack.extent_px,
         })  # fmt: skip
     return pd.DataFrame(found)
@@ -196,7 +208,7 @@ def report(labels: pd.DataFrame, left_out: pd.DataFrame) -> None:
     auroc = real.auroc(-chance, ~labels["ok"].to_numpy(bool))
     print(f"\nverdicts right: {right} of {len(rows)}; AUROC of all marks together: {auroc:.2f}")
     ok = labels["ok"].to_numpy(bool)
-    wrong, sound = percent(chance[~ok] < SEEN), percent(chance[ok] < SEEN)
+    wrong, sound = percent(chance[~ok] < RUN.measured), percent(chance[ok] < RUN.measured)
     print(f"doubted: {wrong} % of wrong marks, {sound} % of right ones")
     weights, offset = learn(labels, left_out)
     print("weights:", dict(zip(SIGNS, weights.round(2).tolist(), strict=True)))
@@ -213,7 +225,8 @@ def judge(clip: str, n: int, own: pd.DataFrame) -> dict[str, str]:
         "right %": percent(ok), "expected %": f"{100 * chance.mean():.0f}",
         "verdict": verdict(float(chance.mean())), "deserved": verdict(float(ok.mean())),
         "AUROC": number(real.auroc(-chance, ~ok), 2),
-        "unsure of wrong %": percent(chance[~ok] < SEEN), "of right %": percent(chance[ok] < SEEN),
+        "unsure of wrong %": percent(chance[~ok] < RUN.measured),
+        "of right %": percent(chance[ok] < RUN.measured),
         "inside 95 % interval %": percent(inside),
     }  # fmt: skip
 

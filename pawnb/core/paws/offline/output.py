@@ -17,8 +17,14 @@ from pawnb.core.paws.offline.association.in_space import (
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.quality.measures import CALIBRATED, largest_distance
-from pawnb.core.paws.offline.quality.parameters import LIMITS
+from pawnb.core.paws.offline.quality.calibration import of_all_views
+from pawnb.core.paws.offline.quality.measures import (
+    CALIBRATED,
+    falling,
+    largest_distance,
+    usual_span,
+)
+from pawnb.core.paws.offline.quality.parameters import LIMITS, QUALITY
 from pawnb.core.paws.offline.treadmill.output import keep_rows
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
@@ -51,8 +57,9 @@ def write_tracks(
     -------
     Tracks
         ``image_confidence`` is the probability that the label lies within about half a paw
-        (:mod:`.calibration`); ``image_origin`` is ``measured`` where that is at least
-        ``RUN.seen``, ``reprojected`` where only other calibrated views saw the point,
+        (:mod:`.calibration`), in calibrated views that of all together
+        (:func:`.calibration.of_all_views`); ``image_origin`` is ``measured`` where that is at least
+        ``RUN.measured``, ``reprojected`` where only other calibrated views saw the point,
         ``missing`` where it is below ``RUN.lost``, else ``predicted``.
     """
     uv = np.stack([view.uv for view in found], axis=2)  # (n, P, V, 2)
@@ -70,22 +77,23 @@ def write_tracks(
     else:
         x, sd, residual = _in_space(uv, sd_px, chance, layout.rig.coefs)
         chance = np.where(by_hand, chance, chance * _one_place_each(x, chance)[..., None])
-    image_origin = np.where(chance >= RUN.seen, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    fill, told = np.zeros(chance.shape, bool), chance
     if layout.rig is not None:
+        # where points are, views decide by themselves; whether that is right, together
+        told = of_all_views(np.where(by_hand | ~np.isfinite(uv[..., 0]), np.nan, chance))
         shown = dlt.project(layout.rig.coefs, x)
         others = (chance >= RUN.seen).sum(axis=2, keepdims=True) >= 2
-        fill = (chance < RUN.seen) & others & np.isfinite(shown[..., 0])
+        fill = (chance < RUN.seen) & (told >= RUN.shown) & others & np.isfinite(shown[..., 0])
+        told = np.where(by_hand, 1.0, np.where(fill, told, told * _views_agree(uv, shown)))
         uv = np.where(fill[..., None], shown, uv)
-        # no surer than the views that it is projected from
-        second = surest_two(chance)[..., None]
-        chance = np.where(fill, np.maximum(chance, second * RUN.projected), chance)
-        image_origin = np.where(fill, ORIGIN_CODE["reprojected"], image_origin)
-    lost = ~by_hand & ((chance < RUN.lost) | ~np.isfinite(uv[..., 0]))
+    image_origin = np.where(told >= RUN.measured, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    image_origin = np.where(fill, ORIGIN_CODE["reprojected"], image_origin)
+    lost = ~by_hand & ((chance < RUN.lost) & ~fill | ~np.isfinite(uv[..., 0]))
     image_origin = np.where(by_hand, ORIGIN_CODE["edited"], image_origin)
     image_origin = np.where(lost, ORIGIN_CODE["missing"], image_origin)
     uv = np.where(lost[..., None], np.nan, uv)
-    chance = np.where(lost, 0.0, chance)
-    return _as_tracks(layout, task, x, sd, residual, uv, image_origin, chance)
+    told = np.where(lost, 0.0, told)
+    return _as_tracks(layout, task, x, sd, residual, uv, image_origin, told)
 
 
 def _first_view(
@@ -129,6 +137,17 @@ def _one_place_each(x: np.ndarray, chance: np.ndarray) -> np.ndarray:
     spans = np.array([largest_distance(here) for here in x])
     size = float(np.nanmedian(spans)) if np.isfinite(spans).any() else np.nan
     return shared_places(x, surest_two(chance), LIMITS.beside * size)
+
+
+def _views_agree(uv: np.ndarray, shown: np.ndarray) -> np.ndarray:
+    """Return what is left of the chance of labels (n, P, V) that the other views have elsewhere.
+
+    As for methods that give no probability (:mod:`.quality.measures`).
+    """
+    far, least = QUALITY.disagree_fall
+    off = np.linalg.norm(uv - shown, axis=-1)
+    off /= np.array([usual_span(own) for own in np.moveaxis(uv, 2, 0)])
+    return falling(off, LIMITS.right, far * LIMITS.right, least)
 
 
 def _as_tracks(

@@ -105,7 +105,33 @@ def test_a_view_that_does_not_see_the_point_shows_where_the_others_put_it(layout
     np.testing.assert_allclose(uv, TRUTH, atol=1e-4)
     assert origins(tracks)[1] == ["measured", "measured", "reprojected"]
     sure = tracks["image_confidence"].isel(individual=0, keypoint=0).to_numpy()
-    assert 0.2 < sure[1, 2] < 0.9
+    # views are right together: odds 9, 9 and 1/4 have the geometric mean 20.25 ** (1 / 3)
+    np.testing.assert_allclose(sure[1], 1 / (1 + 20.25 ** (-1 / 3)))
+    np.testing.assert_allclose(sure[0], 0.9)
+
+
+@pytest.mark.parametrize("own", [0.9, 0.3])
+def test_a_view_that_has_the_point_elsewhere_is_doubted_or_shows_where_the_others_have_it(
+    layout, own
+):
+    """Half a paw is 0.055 of the size of all four. Odds 9, 9 and 3/7 have a geometric mean."""
+    points = ("FL", "FR", "HL", "HR")
+    uv = np.array([[[shown(x, P) for x in here] for here in PAWS] for P in CAMERAS.values()])
+    truth = uv[2, 1, 0].copy()
+    uv[2, 1, 0] += (8, 0)
+    chance = np.full(uv.shape[:3], 0.9)
+    chance[2, 1, 0] = own
+    tracks = [ViewTrack(*view, np.ones(view[1].shape)) for view in zip(uv, chance, strict=True)]
+    task = TrackingRequest(frames=(0, 3), fps=100.0, rig=RIG)
+    written_ = write_tracks(tracks, layout(RIG, points), task, placed={}).isel(individual=0)
+    sure = written_["image_confidence"].to_numpy()
+    if own > 0.5:
+        assert sure[1, 2, 0] < 0.5
+    else:
+        np.testing.assert_allclose(sure[1, :, 0], 1 / (1 + (81 * 3 / 7) ** (-1 / 3)))
+        np.testing.assert_allclose(written_["image_position"][1, 2, :, 0], truth, atol=1e-4)
+    np.testing.assert_allclose(sure[[0, 2]], 0.9)
+    np.testing.assert_allclose(sure[1, :, 1:], 0.9)
 
 
 def test_what_is_hardly_likely_is_missing_and_what_was_placed_is_not(layout):

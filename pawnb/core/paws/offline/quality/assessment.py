@@ -47,7 +47,8 @@ class PointQuality:
     verdict : {"good", "look", "failed"}
         At least 90 %, at least 50 %, or less of its labels are expected to be right.
     expected_right : float
-        That share, 0 to 1, over all frames and the views in which it was ever found.
+        That share, 0 to 1, over frames in which it was not clicked and the views in which it was
+        ever found.
     measured, bridged, missing : float
         Shares of labels that were found in the picture or placed by hand, that were bridged,
         predicted or re-projected, and that are not there.
@@ -134,7 +135,8 @@ def assess(
         Tracks of any method, with image positions, in one view or more.
     clicks : DataFrame, optional
         frame, view, point, u, v: what a person placed at the start. It tells how large the
-        animal is; without it the usual size of the tracks does.
+        animal is (without it the usual size of the tracks does), and which labels say nothing
+        of the tracking.
     limits : QualityLimits, optional
         The limits.
 
@@ -257,7 +259,9 @@ def _point_quality(
     """Return the quality of one point: over the views in which it was ever found, else all."""
     views = _views_of(labels, p)
     known, found = labels.known[:, views, p], labels.found[:, views, p]
-    right = _mean(chance[:, views, p])
+    # a frame that was clicked tells nothing of the others; of those that all were, all count
+    own = ~labels.clicked[:, p] if not labels.clicked[:, p].all() else slice(None)
+    right = _mean(chance[own][:, views, p])
     reasons = []
     if (missing := _mean(~known)) >= QUALITY.telling:
         reasons.append((missing, f"{names[p]} is missing in {100 * missing:.0f} % of frames"))

@@ -97,6 +97,8 @@ class Labels:
     clicked_apart : ndarray, shape (P, P)
         Smallest distance in space at which two points were clicked; NaN where they were not, or
         not in one frame.
+    clicked : ndarray of bool, shape (n, P)
+        Which points were clicked in a frame, in any view.
     """
 
     uv: FloatArray
@@ -106,6 +108,7 @@ class Labels:
     sizes: dict[int, tuple[int, int]]
     space: FloatArray
     clicked_apart: FloatArray
+    clicked: BoolArray
 
     @property
     def found(self) -> BoolArray:

@@ -53,8 +53,9 @@ def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
     sizes = {v: tuple(pictures[name]) for v, name in enumerate(views) if name in pictures}
     body = _body_px(uv, tracks, clicks)
     space = _in_space(tracks)
-    apart = _clicked_apart(space, _clicked_labels(tracks, clicks, uv.shape[2]))
-    return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes, space, apart)
+    clicked = _clicked_labels(tracks, clicks, uv.shape[2])
+    apart = _clicked_apart(space, clicked)
+    return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes, space, apart, clicked)
 
 
 def _in_space(tracks: Tracks) -> np.ndarray:
@@ -89,8 +90,8 @@ def _body_px(uv: np.ndarray, tracks: Tracks, clicks: pd.DataFrame | None) -> np.
     """Return the size of the body in each view (V,), px: where it was clicked, else as usual."""
     here = _clicked_labels(tracks, clicks, uv.shape[2])
     clicked_uv = np.where(here[:, None, :, None], uv, np.nan)[here.any(axis=1)]
-    body = np.array([_usual_span(clicked_uv[:, v]) for v in range(uv.shape[1])])
-    usual = np.array([_usual_span(uv[:, v]) for v in range(uv.shape[1])])
+    body = np.array([usual_span(clicked_uv[:, v]) for v in range(uv.shape[1])])
+    usual = np.array([usual_span(uv[:, v]) for v in range(uv.shape[1])])
     return np.where(np.isfinite(body), body, usual)
 
 
@@ -103,8 +104,19 @@ def largest_distance(places: np.ndarray) -> float:
     return float(away.max()) or np.nan
 
 
-def _usual_span(places: np.ndarray) -> float:
-    """Return the median over frames of the largest distance of places (n, P, d)."""
+def usual_span(places: np.ndarray) -> float:
+    """Return the median over frames of the largest distance of places (n, P, d).
+
+    Parameters
+    ----------
+    places : ndarray, shape (n, P, d)
+        NaN where unknown.
+
+    Returns
+    -------
+    float
+        In their unit; NaN where no frame has two.
+    """
     # the median of so many frames is that of all of them
     few = np.unique(np.linspace(0, max(len(places) - 1, 0), _MOST_FRAMES).astype(int))
     spans = np.array([largest_distance(places[t]) for t in few if t < len(places)])
@@ -167,8 +179,18 @@ def measure_evidence(tracks: Tracks, labels: Labels, limits: QualityLimits) -> l
     ]
 
 
-def _falling(values: np.ndarray, begin: float, end: float, least: float) -> np.ndarray:
-    """Return 1 up to ``begin``, ``least`` from ``end`` on, a line between; 1 where unknown."""
+def falling(values: np.ndarray, begin: float, end: float, least: float) -> np.ndarray:
+    """Return 1 up to a value, less beyond it.
+
+    Parameters
+    ----------
+    values : ndarray
+        Any; unknown ones are NaN and give 1.
+    begin, end : float
+        Up to where it is 1, and from where on it is ``least``; a line between.
+    least : float
+        0 to 1.
+    """
     return np.where(np.isfinite(values), np.interp(values, (begin, end), (1.0, least)), 1.0)
 
 
@@ -189,7 +211,7 @@ def _beyond_the_body(labels: Labels, limits: QualityLimits, trust: np.ndarray) -
         middle = _middle(others)
         away[:, :, p] = np.linalg.norm(labels.uv[:, :, p] - middle, axis=-1) / labels.body_px
     far, least = QUALITY.beyond_fall
-    left = _falling(away, limits.beyond, far * limits.beyond, least)
+    left = falling(away, limits.beyond, far * limits.beyond, least)
     return Measure("{point} lies further from the others than the body is long", left)
 
 
@@ -208,7 +230,7 @@ def _leaps(labels: Labels, limits: QualityLimits) -> Measure:
         step[1:] = moved
         step[:-1] = np.fmax(step[:-1], moved)
     far, least = QUALITY.leap_fall
-    left = _falling(step, limits.leap, far * limits.leap, least)
+    left = falling(step, limits.leap, far * limits.leap, least)
     return Measure("{point} leaps further than any animal moves in one frame", left)
 
 
@@ -242,9 +264,9 @@ def _vague(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Measure:
     if "sd" in tracks:
         x = np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
         sd = np.sqrt(np.square(tracks["sd"].isel(individual=0).to_numpy()).mean(axis=1))
-        size = _usual_span(x)
+        size = usual_span(x)
         for v in range(len(labels.body_px)):
-            px = sd * _usual_span(labels.uv[:, v]) / size
+            px = sd * usual_span(labels.uv[:, v]) / size
             chance = -np.expm1(-0.5 * np.square(limits.right * labels.body_px[v] / px))
             left[:, v] = np.where(np.isfinite(chance), chance, 1.0)
     return Measure("the place of {point} is only vaguely known", left)
@@ -254,7 +276,7 @@ def _passes_apart(tracks: Tracks, labels: Labels) -> Measure:
     left = np.ones(labels.origin.shape)
     if "passes_apart" in tracks:
         apart = tracks["passes_apart"].isel(individual=0).to_numpy()
-        left = in_views(_falling(apart, *QUALITY.passes_fall), labels)
+        left = in_views(falling(apart, *QUALITY.passes_fall), labels)
     return Measure("passes forwards and backwards disagree about {point}", left)
 
 
@@ -263,13 +285,13 @@ def _views_disagree(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Me
     if "image_residual" in tracks:
         off = tracks["image_residual"].isel(individual=0).to_numpy() / labels.body_px[:, None]
     far, least = QUALITY.disagree_fall
-    left = _falling(off, limits.right, far * limits.right, least)
+    left = falling(off, limits.right, far * limits.right, least)
     return Measure("the picture has {point} elsewhere than the other views", left)
 
 
 def _hardly_recognised(tracks: Tracks, labels: Labels) -> Measure:
     confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
-    left = np.where(labels.found, _falling(1.0 - confidence, *QUALITY.hardly_fall), 1.0)
+    left = np.where(labels.found, falling(1.0 - confidence, *QUALITY.hardly_fall), 1.0)
     return Measure("{point} is hardly recognised", left)
 
 

@@ -16,10 +16,7 @@ import numpy as np
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
-SIGNS = {
-    "motion": 1, "look": 1, "look_along": 1, "broken": -1, "usual_look": 1,
-    "left_out": 1,
-}  # fmt: skip
+SIGNS = {"motion_along": 1, "look": 1, "broken": -1, "usual_look": 1, "left_out": 1}
 """Definition: the columns of :meth:`Signs.columns`, and whether each speaks for a label or against
 it."""
 
@@ -32,14 +29,13 @@ class Signs:
     ----------
     probability : ndarray, shape (n,)
         Probability within about half a paw, by the hidden Markov model: no label is surer.
-    motion : ndarray, shape (n,)
-        Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow from no
-        click comes so far.
+    motion_along : ndarray, shape (n,)
+        Logarithm of the ratio of likelihoods by motion at the estimate (0 where flow from no
+        click comes so far), the mean over the stretch of the track that the frame belongs to: up
+        to the next frames that are clicked or in which what came before and what comes after
+        disagree.
     look : ndarray, shape (n,)
-        The same by appearance.
-    look_along : ndarray, shape (n,)
-        Its mean over the stretch of the track that the frame belongs to, up to the next frames
-        that are clicked or in which what came before and what comes after disagree.
+        The same by appearance, of the frame alone.
     broken : ndarray, shape (n,)
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
@@ -53,18 +49,17 @@ class Signs:
     """
 
     probability: np.ndarray
-    motion: np.ndarray
+    motion_along: np.ndarray
     look: np.ndarray
-    look_along: np.ndarray
     broken: np.ndarray
     usual_look: float
     left_out: float = 0.0
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 6) as they enter the calibration."""
+        """Return the signs (n, 5) as they enter the calibration."""
         broken = np.log1p(np.minimum(self.broken, QUALITY.broken_most))
         usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
-        return np.stack([self.motion, self.look, self.look_along, broken, usual, left_out], axis=-1)
+        return np.stack([self.motion_along, self.look, broken, usual, left_out], axis=-1)
 
 
 def read_signs(
@@ -99,13 +94,11 @@ def read_signs(
     Signs
         Of the n frames.
     """
-    looks = _at_estimates(look, found)
     stops = [*clicked, *np.flatnonzero(agreement < QUALITY.agreement_break).tolist()]
     return Signs(
         found.probability,
-        _at_estimates(motion, found),
-        looks,
-        mean_along(looks, stops),
+        mean_along(_at_estimates(motion, found), stops),
+        _at_estimates(look, found),
         sum_from_clicks(-np.log(np.clip(agreement, QUALITY.agreement_least, 1.0)), clicked),
         usual_look,
         left_out,

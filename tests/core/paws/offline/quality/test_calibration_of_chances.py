@@ -8,20 +8,23 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
+from pawnb.core.paws.offline.quality.calibration import (
+    of_all_views,
+    probability_right,
+    standard_deviation,
+)
 from pawnb.core.paws.offline.quality.signs import Signs
 
 OF_ALL = {"usual_look", "left_out"}
-USUAL = Signs(*(np.array([x]) for x in (0.99, 1.0, 0.0, 0.0, 1.0)), 0.0)
+USUAL = Signs(*(np.array([x]) for x in (0.99, 1.0, 0.0, 1.0)), 0.0)
 
 
 @pytest.mark.parametrize(
     ("sign", "better", "worse"),
     [
         ("probability", 0.99, 0.5),
-        ("motion", 2.5, 0.0),
+        ("motion_along", 2.5, 0.0),
         ("look", 2.0, -3.0),
-        ("look_along", 2.0, -3.0),
         ("broken", 0.1, 20.0),
         ("usual_look", 0.0, -2.0),
         ("left_out", 0.5, -0.5),
@@ -38,13 +41,20 @@ def test_every_sign_speaks_for_or_against_a_label(sign, better, worse):
 
 def test_no_label_is_surer_than_the_model_itself():
     """Of 57 marks that it gave less than 0.9, 14 were right."""
-    unsure = dataclasses.replace(USUAL, motion=np.array([2.5]), probability=np.array([0.3]))
+    unsure = dataclasses.replace(USUAL, motion_along=np.array([2.5]), probability=np.array([0.3]))
     np.testing.assert_allclose(probability_right(unsure), 0.3)
 
 
 def test_a_label_without_any_click_stays_a_chance():
-    chance = probability_right(Signs(np.ones(1), *np.zeros((3, 1)), np.array([np.inf]), 0.0))
+    chance = probability_right(Signs(np.ones(1), *np.zeros((2, 1)), np.array([np.inf]), 0.0))
     assert 0 < chance < 0.3
+
+
+def test_views_of_one_place_are_right_or_wrong_together():
+    """Odds 9, 1 and 1/9 have the geometric mean 1, odds 16 and 1 (and a view without any) 4."""
+    chance = np.array([[0.9, 0.5, 0.1], [16 / 17, np.nan, 0.5], [np.nan] * 3])
+    told = of_all_views(chance)
+    np.testing.assert_allclose(told, [[0.5] * 3, [0.8] * 3, [0.0] * 3])
 
 
 def test_what_is_beside_a_click_is_good_and_what_was_lost_on_the_way_is_even():
@@ -54,7 +64,7 @@ def test_what_is_beside_a_click_is_good_and_what_was_lost_on_the_way_is_even():
     """
     look = np.full(2, 0.08)
     chance = probability_right(
-        Signs(np.ones(2), np.array([2.6, 0.0]), look, look, np.array([0.0, 8.0]), -0.33)
+        Signs(np.ones(2), np.array([2.6, 0.0]), look, np.array([0.0, 8.0]), -0.33)
     )
     assert chance[0] > 0.9
     assert 0.4 < chance[1] < 0.7

@@ -196,6 +196,22 @@ def test_clicks_tell_the_size_of_the_animal_where_tracks_are_lost():
     assert assess(tracks).verdict == "good"
 
 
+def test_frames_that_were_clicked_do_not_make_the_others_better():
+    """Half of the frames were clicked and are surely right, of the others 0.6 are."""
+    tracks, uv = walk()
+    tracks["image_confidence"].attrs[CALIBRATED] = 1
+    tracks["image_confidence"][::2] = 1.0
+    tracks["image_confidence"][1::2] = 0.6
+    clicks = pd.DataFrame(
+        [(t, "side", name, *uv[t, p]) for t in range(0, N, 2) for p, name in enumerate(NAMES)],
+        columns=["frame", "view", "point", "u", "v"],
+    )
+    assert assess(tracks).expected_right == pytest.approx(0.8)
+    assert assess(tracks, clicks=clicks).expected_right == pytest.approx(0.6)
+    every = pd.concat([clicks, clicks.assign(frame=clicks["frame"] + 1)])
+    assert assess(tracks, clicks=every).expected_right == pytest.approx(0.8)
+
+
 def test_missing_labels_are_not_right_and_those_placed_by_hand_are():
     tracks, uv = walk(separation=0.0)
     uv[:120, 3] = np.nan

@@ -38,7 +38,7 @@ def test_means_reach_up_to_the_stops_on_either_side_and_hold_them():
 
 def test_without_a_click_there_is_no_way():
     assert np.isinf(sum_from_clicks(np.zeros(3), [])).all()
-    assert np.isfinite(Signs(*np.zeros((4, 3)), np.full(3, np.inf), 0.0).columns()).all()
+    assert np.isfinite(Signs(*np.zeros((3, 3)), np.full(3, np.inf), 0.0).columns()).all()
 
 
 def test_signs_are_read_at_the_estimate():
@@ -56,10 +56,9 @@ def test_signs_are_read_at_the_estimate():
         usual_look=-0.7,
         left_out=-0.3,
     )
-    np.testing.assert_allclose(signs.motion, [0, 2, 0])
     np.testing.assert_allclose(signs.broken, [0, 1, 2])
     np.testing.assert_allclose(signs.look, [0, -1, 0])
-    np.testing.assert_allclose(signs.look_along, [-1 / 2, -1 / 3, -1 / 2])  # 1 and 2 are breaks
+    np.testing.assert_allclose(signs.motion_along, [1, 2 / 3, 1])  # 1 and 2 are breaks
     columns = dict(zip(SIGNS, signs.columns().T, strict=True))
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
     np.testing.assert_allclose(columns["usual_look"], -0.7)
