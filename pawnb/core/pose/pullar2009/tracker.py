@@ -107,8 +107,10 @@ def track_pullar2009(
     start = start_within(start, frames)
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
     look = start.take([0]) if look is None else look
-    tracker = _Tracker(reader, (start, look), animal, background, settings, len(numbers))
-    tracker.kept = kept or tracker.kept
+    tracker = _Tracker(
+        reader, (start, look), animal, background, settings, len(numbers),
+        kept=kept or KeptFrames(),
+    )  # fmt: skip
     tracker.run(frames, progress, stop)
     return tracker.result(numbers)
 
@@ -124,6 +126,8 @@ class _Tracker:
         background: EmptyScene,
         settings: Pullar2009Settings,
         total: int,
+        *,
+        kept: KeptFrames,
     ) -> None:
         self.reader, self.animal = reader, animal
         self.settings, self.total = settings, total
@@ -137,7 +141,7 @@ class _Tracker:
         self.lengths_px = start.lengths_px[0]
         if settings.leg_lengths == "fitted":
             self._fit_lengths(picture)
-        self.kept = KeptFrames()
+        self.kept = kept
         self.found: dict[int, np.ndarray] = {}
         self.confidence: dict[int, np.ndarray] = {}
 
@@ -147,7 +151,7 @@ class _Tracker:
         slack = _SLACK_OF_SPAN * self.energy.span_px
         frame = self.energy.frame(picture, pose, slack_px=slack)
         rng = np.random.default_rng(self.settings.seed)
-        factors = fit_leg_lengths(self.energy, frame, pose, rng=rng)
+        self.energy, factors = fit_leg_lengths(self.energy, frame, pose, rng=rng)
         self.lengths_px = self.lengths_px * per_segment(self.animal, factors)
 
     def run(

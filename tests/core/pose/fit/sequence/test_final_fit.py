@@ -14,7 +14,7 @@ from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.observation import crop_box
-from pawnb.core.pose.fit.rendering.evidence import Evidence
+from pawnb.core.pose.fit.rendering.evidence import make_evidence
 from pawnb.core.pose.fit.sequence import final_fit
 from pawnb.core.pose.fit.sequence.final_fit import settle_all
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -39,7 +39,7 @@ def scene():
     _, _, reader, background = painted_walk(22, poses=poses)
     vectors = pose_vectors(animal, poses)
     settings = PoseSettings()
-    evidence = Evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd)
+    evidence = make_evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd)
     fitter = make_fitter(
         animal,
         make_layout(animal, px_per_unit=PX_PER_MM, dark=0.75),
