@@ -1,4 +1,4 @@
-"""A fitter made for an animal of known size in a frame, before its look is learnt."""
+"""A fitter made for an animal of known size in a frame, before its appearance is learnt."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def track_pullar2009(
     background: EmptyScene,
     settings: Pullar2009Settings | None = None,
     frames: tuple[int, int],
-    look: Poses | None = None,
+    reference: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
     kept: KeptFrames | None = None,
@@ -68,7 +68,7 @@ def track_pullar2009(
         Settings; see there.
     frames : tuple of int
         First frame and one past the last.
-    look : Poses, optional
+    reference : Poses, optional
         One frame, also outside ``frames``, from which parameters are estimated (Table 3.3);
         default the first start pose. Its scale is kept throughout, and so are its segment lengths
         or, by default, how long each leg looks in that frame.
@@ -106,9 +106,9 @@ def track_pullar2009(
     numbers = np.arange(*frames)
     start = start_within(start, frames)
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
-    look = start.take([0]) if look is None else look
+    reference = start.take([0]) if reference is None else reference
     tracker = _Tracker(
-        reader, (start, look), animal, background, settings, len(numbers),
+        reader, (start, reference), animal, background, settings, len(numbers),
         kept=kept or KeptFrames(),
     )  # fmt: skip
     tracker.run(frames, progress, stop)

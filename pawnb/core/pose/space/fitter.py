@@ -106,7 +106,7 @@ class SpaceFitter:
         return self.evidence.image_evidence(image.astype(float), box, covered)
 
     def canvas(self, image_evidence: ImageEvidence) -> tuple[np.ndarray, ...]:
-        """Return an empty canvas of a sight's size."""
+        """Return an empty canvas of the evidence's size."""
         height, width = image_evidence.seen.shape
         return make_canvas(height, width, self.model.layout)
 

@@ -1,4 +1,4 @@
-"""The animal's own look and proportions, learnt from frames whose joints are known in space."""
+"""Appearance and proportions of the animal, learnt from frames whose joints are known in space."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Sample = tuple[SpaceFrame, ImageEvidence, np.ndarray]
 
 
 def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> SpaceModel:
-    """Return the model with body, legs' look and lengths as the pictures have them.
+    """Return the model with body, legs' appearance and lengths as the pictures have them.
 
     Parameters
     ----------

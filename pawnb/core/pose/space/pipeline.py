@@ -124,7 +124,7 @@ def run_space_pipeline(recording: SpaceRecording, fitter: SpaceFitter) -> SpaceS
         fit_alone,
         take_over_from_before,
         take_over_from_after,
-        *[settle] * IN_SPACE.settle,
+        *[fit_with_neighbours] * IN_SPACE.settle,
     ):
         state = step(state)
         if recording.is_stopped:
@@ -133,7 +133,7 @@ def run_space_pipeline(recording: SpaceRecording, fitter: SpaceFitter) -> SpaceS
 
 
 def n_passes() -> int:
-    """Return the passes over all frames: read, alone, from either side, and to settle."""
+    """Return the passes over all frames: read, alone, from either side, with those beside."""
     return 4 + IN_SPACE.settle
 
 
@@ -184,11 +184,11 @@ def take_over_from_after(state: SpaceState) -> SpaceState:
     return _each(state, "after the next frame", order, lambda now, k: _take_over(now, k, k + 1))
 
 
-def settle(state: SpaceState) -> SpaceState:
+def fit_with_neighbours(state: SpaceState) -> SpaceState:
     """Fit each frame with the heights of the frames beside, as they were before this step."""
-    way = f"settled {state.passes - n_passes() + IN_SPACE.settle}"
+    way = f"with the frames beside {state.passes - n_passes() + IN_SPACE.settle}"
     return _each(
-        state, way, state.recording.wanted, lambda _, k: _settle(state, k), threads=THREADS
+        state, way, state.recording.wanted, lambda _, k: _with_neighbours(state, k), threads=THREADS
     )
 
 
@@ -256,7 +256,7 @@ def _moved(state: SpaceState, other: int, k: int) -> FloatArray:
     return np.concatenate([state.x[other, :1], np.nan_to_num(moved).ravel()])
 
 
-def _settle(state: SpaceState, k: int) -> Fit:
+def _with_neighbours(state: SpaceState, k: int) -> Fit:
     """Return a frame's fit with the heights of the frames beside."""
     one, image_evidence = state.recording.frames[k], state.evidence(k)
     model = state.fitter.model

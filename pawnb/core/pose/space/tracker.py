@@ -3,9 +3,9 @@
 Pullar 2009, Eq. 5.1 sums the energy over views. Here the first view is the pose already tracked
 in it, with its uncertainty across and along each leg; the second is painted and compared with
 its own background. Segments have their lengths in space, so what is short in the first view must
-rise or fall. Each frame is fitted alone first, every leg from an even arch; the animal's look and
-proportions are learnt; frames take over their neighbours' heights where that explains more; in
-the end heights are fitted with those of the frames beside.
+rise or fall. Each frame is fitted alone first, every leg from an even arch; appearance and
+proportions of the animal are learnt; frames take over their neighbours' heights where that
+explains more; in the end heights are fitted with those of the frames beside.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def place_in_space(
     settings : SpaceSettings, optional
         Settings; see there.
     rows : range, optional
-        Rows of the track in which joints are wanted; default all. Look and proportions are
+        Rows of the track in which joints are wanted; default all. Appearance and proportions are
         learnt from frames of the whole track, so they are the same for any rows.
     progress : callable, optional
         Called with frames done and frames in all.
@@ -166,11 +166,6 @@ def _read_frames(
         if progress is not None:
             progress(len(frames), n_passes() * len(needed))
     return frames
-
-
-def _n_passes() -> int:
-    """Return the passes over all frames: read, alone, from either side, and to settle."""
-    return 4 + IN_SPACE.settle
 
 
 def _spread(n: int) -> list[int]:

@@ -147,7 +147,7 @@ def make_evidence(
 
 
 def without_wide(image_evidence: ImageEvidence, body: BoolArray, *, size: int) -> ImageEvidence:
-    """Return a sight in which only the body and what is as thin as a leg is dark.
+    """Return evidence in which only the body and what is as thin as a leg is dark.
 
     Wings, the shadow of someone who passes, a lump of debris that a leg touches: whatever holds a
     disc wider than the thickest leg is no leg. It is taken as a filter before which legs are
