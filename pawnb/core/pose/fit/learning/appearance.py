@@ -167,59 +167,37 @@ def _of_frame(
 ) -> _OfFrame:
     """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
     pose, image_evidence = frame
-    blur, soft, n = known.blur, known.soft, len(pose)
+    blur, soft = known.blur, known.soft
     canvas, cost = _painted(layout, pose, image_evidence, known)
     value, owner, along, joints = canvas
+    seen, weight, box = image_evidence.seen, image_evidence.weight, image_evidence.box
     legs, nodes = layout.radius.shape
     matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
     look_equations(
-        layout,
-        blur,
-        image_evidence.box,
-        value,
-        owner,
-        along,
-        joints,
-        image_evidence.seen,
-        image_evidence.weight,
-        soft,
-        matrix,
-        vector,
+        layout, blur, box, value, owner, along, joints, seen, weight, soft, matrix, vector
     )
     parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
-    body_equations(
-        layout,
-        meets,
-        pose,
-        blur,
-        image_evidence.box,
-        value,
-        owner,
-        image_evidence.seen,
-        image_evidence.weight,
-        soft,
-        parts,
-        sums,
-    )
-    of_pose, slope = np.zeros((n, n)), np.zeros(n)
+    body_equations(layout, meets, pose, blur, box, value, owner, seen, weight, soft, parts, sums)
+    of_pose = _pose_equations(layout, frame, known, canvas)
+    return _OfFrame(cost, (matrix, vector), (parts, sums), of_pose)
+
+
+def _pose_equations(
+    layout: Layout,
+    frame: tuple[FloatArray, ImageEvidence],
+    known: _Known,
+    canvas: tuple[np.ndarray, ...],
+) -> tuple[FloatArray, FloatArray]:
+    """Return the matrix and the gradient of a frame's pose, which is painted on the canvas."""
+    pose, image_evidence = frame
+    value, owner, along, joints = canvas
+    n, shown = len(pose), np.ones(len(layout.radius) + 1, bool)
+    matrix, slope = np.zeros((n, n)), np.zeros(n)
     normal_matrix(
-        layout,
-        pose,
-        image_evidence,
-        known.prior,
-        np.arange(n),
-        np.ones(legs + 1, bool),
-        blur,
-        soft,
-        value,
-        owner,
-        along,
-        joints,
-        of_pose,
-        slope,
-    )
-    whole = of_pose + np.tril(of_pose, -1).T  # the loops fill the lower triangle
-    return _OfFrame(cost, (matrix, vector), (parts, sums), (whole, slope))
+        layout, pose, image_evidence, known.prior, np.arange(n), shown, known.blur, known.soft,
+        value, owner, along, joints, matrix, slope,
+    )  # fmt: skip
+    return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle
 
 
 def _painted(
