@@ -95,17 +95,7 @@ def tracks_from_poses(
     for prefix, at in (("", ...), ("image_", (slice(None), 0))):
         tracks[f"{prefix}confidence"].to_numpy()[at][..., 0] = confidence
         tracks[f"{prefix}origin"].to_numpy()[at][..., 0] = origin
-    degrees = {"units": "degrees"}
-    joint, segment = ("time", "joint", "individual"), ("time", "segment", "individual")
-    tracks = tracks.assign_coords(joint=list(animal.joints), segment=list(animal.segments))
-    tracks = tracks.assign(
-        joint_angle=(joint, poses.angles_deg[..., None], degrees),
-        joint_angle_sd=(joint, track.angles_sd_deg[..., None], degrees),
-        heading=(("time", "individual"), poses.heading_deg[:, None], degrees),
-        heading_sd=(("time", "individual"), track.heading_sd_deg[:, None], degrees),
-        scale=(("time", "individual"), poses.scale[:, None], {"units": f"px/{animal.unit}"}),
-        segment_length=(segment, poses.lengths_px[..., None], {"units": "px"}),
-    )
+    tracks = _with_pose(tracks, animal, track)
     if np.isfinite(sd).any():
         dims = ("time", "space", "keypoint", "individual")
         tracks = tracks.assign(sd=(dims, sd[..., None] * factor, {"units": tracks.attrs["units"]}))
@@ -114,6 +104,21 @@ def tracks_from_poses(
     body_length = animal.body_length * float(np.nanmedian(poses.scale)) * factor
     tracks = tracks.assign_attrs(body_length=body_length)
     return tracks.assign_attrs(stick_animal=json.dumps(_document(animal), sort_keys=True))
+
+
+def _with_pose(tracks: Tracks, animal: StickAnimal, track: PoseTrack) -> Tracks:
+    """Return Tracks with angles, heading, scale and lengths of segments."""
+    poses, degrees = track.poses, {"units": "degrees"}
+    joint, segment = ("time", "joint", "individual"), ("time", "segment", "individual")
+    tracks = tracks.assign_coords(joint=list(animal.joints), segment=list(animal.segments))
+    return tracks.assign(
+        joint_angle=(joint, poses.angles_deg[..., None], degrees),
+        joint_angle_sd=(joint, track.angles_sd_deg[..., None], degrees),
+        heading=(("time", "individual"), poses.heading_deg[:, None], degrees),
+        heading_sd=(("time", "individual"), track.heading_sd_deg[:, None], degrees),
+        scale=(("time", "individual"), poses.scale[:, None], {"units": f"px/{animal.unit}"}),
+        segment_length=(segment, poses.lengths_px[..., None], {"units": "px"}),
+    )
 
 
 def is_pose(tracks: Tracks) -> bool:

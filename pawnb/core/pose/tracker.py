@@ -109,7 +109,7 @@ class PoseTracker:
         corrected: Poses,
     ) -> PoseTrack:
         """Track a part again."""
-        return self._run(views, start, request, settings=settings, look=corrected)
+        return self._run(views, start, request, settings=settings, reference=corrected)
 
     def _run(self, views: ViewSet, start: Poses, request: PoseRequest, **given: Any) -> PoseTrack:
         return self.run(

@@ -8,7 +8,8 @@ from scipy.optimize import least_squares
 from walking_poses import walking_poses
 
 from pawnb.core.pose.poses import joint_positions
-from pawnb.core.pose.space.first_view import _LENGTH_SHARE, corrected_first_view
+from pawnb.core.pose.space.first_view import corrected_first_view
+from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.species_file import load_species
@@ -79,7 +80,7 @@ def test_it_is_the_least_squares_fit(scene):
             [
                 place[1:].ravel() / (SETTINGS.across_share * span),
                 (x[:free] - one.angles_deg[0, at[0]]) / SETTINGS.angle_sd_deg,
-                (x[free:] - known) / (_LENGTH_SHARE * span),
+                (x[free:] - known) / (IN_SPACE.projected_length_sd * span),
             ]
         )
 

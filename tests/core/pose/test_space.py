@@ -14,7 +14,7 @@ from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.poses import joint_positions, natural_pose
 from pawnb.core.pose.space.arch import arch, arch_angle, slide
-from pawnb.core.pose.space.fitter import SpaceFitter
+from pawnb.core.pose.space.fitter import make_space_fitter
 from pawnb.core.pose.space.frame import SpaceFrame, even_arches, known_without_picture
 from pawnb.core.pose.space.geometry import SightLines, check_second_view
 from pawnb.core.pose.space.model import first_view_places, make_model
@@ -105,7 +105,7 @@ def _scene(*, near=False, seed=0):
     np.testing.assert_allclose(places, joint_positions(animal, poses))
     background = SimpleNamespace(mean=np.full((130, 400), 200.0), sd=np.ones((130, 400)))
     model = model.changed(ground=float(model.lines.height(np.zeros(3))))
-    fitter = SpaceFitter(model, background, _Empty())
+    fitter = make_space_fitter(model, background, _Empty())
     body = float(model.lines.height(np.array([0.0, 0.0, 6.0])))
     box = (0, 0, 400, 130)
     one = SpaceFrame(poses.xy[0], 20.0, places[0], precision[0], np.zeros((130, 400)), box)
@@ -114,8 +114,8 @@ def _scene(*, near=False, seed=0):
     heights[:, 2:6] += rng.uniform(-1.5, 1.5, (len(heights), 1))
     joints = model.lines.at(slid, heights)
     lengths = np.linalg.norm(np.diff(joints, axis=1), axis=-1)
-    fitter.model = model.changed(lengths=lengths)
-    one.places = dlt.project(model.lines.coefs, joints)[..., 0, :]
+    fitter = fitter.with_model(model.changed(lengths=lengths))
+    one = dataclasses.replace(one, places=dlt.project(model.lines.coefs, joints)[..., 0, :])
     truth = np.concatenate([[body], joints.ravel()])
     blank = ImageEvidence(np.zeros((130, 400)), np.full((130, 400), 60.0), np.zeros(2))
     seen = fitter.painted(one, blank, truth)[0]

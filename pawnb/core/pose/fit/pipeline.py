@@ -19,7 +19,7 @@ from pawnb.core.pose.fit.learning.pose_prior import learn_pose_prior
 from pawnb.core.pose.fit.learning.relearn import learn_again
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.sequence.between_annotations import fit_known, follow_all
-from pawnb.core.pose.fit.sequence.final_fit import settle_all
+from pawnb.core.pose.fit.sequence.final_fit import fit_all_frames
 from pawnb.core.pose.fit.sequence.first_frame import fit_start
 from pawnb.core.pose.fit.state import PoseFitState, PoseRecording
 
@@ -48,7 +48,7 @@ def run_pipeline(recording: PoseRecording) -> PoseFitState:
         if learnt.fitter.clutter.attached is not None:
             recording.ways.steps.expect(steps_of_a_pass(state))
             state = follow(fit_starts_again(learnt))
-    return settle(learn_appearance(state))
+    return fit_together(learn_appearance(state))
 
 
 def begin(recording: PoseRecording) -> PoseFitState:
@@ -118,12 +118,12 @@ def learn_appearance(state: PoseFitState) -> PoseFitState:
     return replace(state, fitter=fitter, poses=poses)
 
 
-def settle(state: PoseFitState) -> PoseFitState:
+def fit_together(state: PoseFitState) -> PoseFitState:
     """Fit all frames together."""
-    settled = settle_all(state.fitter, state.frames, state.poses)
-    for _ in settled:
+    final_fits = fit_all_frames(state.fitter, state.frames, state.poses)
+    for _ in final_fits:
         state.recording.ways.steps.one()
-    return replace(state, settled=tuple(settled))
+    return replace(state, final_fits=tuple(final_fits))
 
 
 def steps_of_a_pass(state: PoseFitState) -> int:

@@ -1,4 +1,4 @@
-"""A fitter made for an animal of known size in a frame, before its look is learnt."""
+"""A fitter made for an animal of known size in a frame, before its appearance is learnt."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter, make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.parameters import FITTING
-from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
+from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, make_evidence
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.video.views import Frame
@@ -56,7 +56,7 @@ def prepare_fitter(
     scale = float(pose.scale[0])
     factor = max(1, int(animal.span * scale / settings.working_span_px))
     light = _animal_light(frame, pose, animal, background)
-    evidence = Evidence(background, factor=factor, light=light, spread=settings.unexplained_sd)
+    evidence = make_evidence(background, factor=factor, light=light, spread=settings.unexplained_sd)
     vector = pose_vectors(animal, pose, factor=factor)[0]
     prior = anatomy(animal, vector, foreshortening_sd=settings.foreshortening_sd)
     layout = make_layout(animal, px_per_unit=scale / factor)

@@ -11,7 +11,7 @@ from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.sequence.between_annotations import Ways
-from pawnb.core.pose.fit.sequence.final_fit import Settled
+from pawnb.core.pose.fit.sequence.final_fit import FinalFit
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.video.views import Frame
@@ -67,7 +67,7 @@ class PoseFitState:
         What every frame leaves open, ascending; those without the animal are left out.
     poses : ndarray, shape (n, n_parameters)
         Their poses.
-    settled : tuple of Settled
+    final_fits : tuple of FinalFit
         Their last fits.
     passes : int
         How often the animal was followed.
@@ -78,5 +78,5 @@ class PoseFitState:
     known: Mapping[int, FloatArray]
     frames: tuple[LegCandidates, ...]
     poses: FloatArray
-    settled: tuple[Settled, ...] = ()
+    final_fits: tuple[FinalFit, ...] = ()
     passes: int = 0

@@ -39,7 +39,7 @@ def track_pose(
     background: BackgroundPicture,
     settings: PoseSettings | None = None,
     frames: tuple[int, int],
-    look: Poses | None = None,
+    reference: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
     kept: KeptFrames | None = None,
@@ -60,9 +60,9 @@ def track_pose(
         Settings; see there.
     frames : tuple of int
         First frame and one past the last.
-    look : Poses, optional
-        One frame, also outside ``frames``, from which the animal's look is learnt; default the
-        first start pose.
+    reference : Poses, optional
+        One frame, also outside ``frames``, from which appearance is learnt; default the first
+        start pose.
     progress : callable, optional
         Called with frames done and frames in all.
     stop : callable, optional
@@ -84,7 +84,7 @@ def track_pose(
         If no start pose lies within ``frames``, or none of the body is where it says.
     """
     start = start_within(start, frames)
-    # all frames are followed and then settled; those between two start poses are followed twice
+    # frames are followed and then fitted together; those between start poses are followed twice
     between = int(start.frames.max() - start.frames.min())
     steps = Steps(2 * (frames[1] - frames[0]) + between, progress, stop)
     state = run_pipeline(
@@ -93,7 +93,7 @@ def track_pose(
             ways=Ways(WaysReader(reader, steps).read, steps, kept or KeptFrames()),
             frames=frames,
             start=start,
-            reference=start.take([0]) if look is None else look,
+            reference=start.take([0]) if reference is None else reference,
             animal=animal,
             background=background,
             settings=settings or PoseSettings(),
@@ -113,7 +113,7 @@ def _result(state: PoseFitState) -> PoseTrack:
     vectors, sds = np.full((n, fitter.index.n), np.nan), np.full((n, fitter.index.n), np.nan)
     places = np.full((n, *fitter.layout.radius.shape, 2), np.nan)
     support = np.full((n, n_legs), np.nan)
-    for row, one in zip(rows, state.settled, strict=True):
+    for row, one in zip(rows, state.final_fits, strict=True):
         vectors[row], sds[row] = one.pose, one.sd
         places[row] = one.places_sd * factor
         support[row] = np.fmin(one.support[:, 0], one.support[:, 1])

@@ -6,6 +6,7 @@ subject in a labelling of least energy, so that nothing is lost.
 
 from __future__ import annotations
 
+import copy
 import math
 from dataclasses import dataclass
 
@@ -136,6 +137,12 @@ class Pullar2009Energy:
         self.middle_deg, self.half_deg = animal.natural_deg, animal.range_deg / 2
         self.span_px = animal.span * float(start.scale[0])
         self.stiffness = settings.limit_stiffness * self.parameters.sigma
+
+    def with_sticks(self, sticks: Sticks) -> Pullar2009Energy:
+        """Return the energy of an animal of another shape; the parameters stay as they are."""
+        other = copy.copy(self)
+        other.sticks = sticks
+        return other
 
     def frame(self, picture: ByteArray, pose: FloatArray, *, slack_px: float) -> FrameCosts:
         """Return a frame's costs on the crop that holds the animal.

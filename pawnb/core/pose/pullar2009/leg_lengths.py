@@ -12,6 +12,7 @@ import dataclasses
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.pullar2009.energy import FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import infer_pose
@@ -32,13 +33,13 @@ _MARGIN_OF_SPAN = 0.15
 
 def fit_leg_lengths(
     energy: Pullar2009Energy, frame: FrameCosts, pose: np.ndarray, *, rng: np.random.Generator
-) -> np.ndarray:
-    """Find how long each leg looks, and give the energy's stick animal those lengths.
+) -> tuple[Pullar2009Energy, FloatArray]:
+    """Find how long each leg looks.
 
     Parameters
     ----------
     energy : Pullar2009Energy
-        The energy; its ``sticks`` change.
+        The energy.
     frame : FrameCosts
         The start frame's costs.
     pose : ndarray, shape (3 + n_joints,)
@@ -48,7 +49,9 @@ def fit_leg_lengths(
 
     Returns
     -------
-    ndarray, shape (n_legs,)
+    energy : Pullar2009Energy
+        That of a stick animal with those lengths.
+    factors : ndarray, shape (n_legs,)
         Factor of each leg's length, 0.6 to 1.1. The pose and the factors are fitted in turn, at
         most four times: each leg gets the factor for which the shape prior costs least, the
         labels being those of the likelihood alone (Fig. 3.6b) near the legs, which keep their
@@ -66,10 +69,10 @@ def fit_leg_lengths(
                 factors[leg] = factor
                 costs.append(_cost(energy, frame, scaled(whole, factors), pose, dark))
             factors[leg] = FACTORS[int(np.argmin(costs))]
-        energy.sticks = scaled(whole, factors)
+        energy = energy.with_sticks(scaled(whole, factors))
         if np.abs(factors - before).max() < 0.03:
             break
-    return factors
+    return energy, factors
 
 
 def scaled(sticks: Sticks, factors: np.ndarray) -> Sticks:

@@ -46,7 +46,7 @@ def track_pullar2009(
     background: EmptyScene,
     settings: Pullar2009Settings | None = None,
     frames: tuple[int, int],
-    look: Poses | None = None,
+    reference: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
     kept: KeptFrames | None = None,
@@ -68,7 +68,7 @@ def track_pullar2009(
         Settings; see there.
     frames : tuple of int
         First frame and one past the last.
-    look : Poses, optional
+    reference : Poses, optional
         One frame, also outside ``frames``, from which parameters are estimated (Table 3.3);
         default the first start pose. Its scale is kept throughout, and so are its segment lengths
         or, by default, how long each leg looks in that frame.
@@ -106,9 +106,11 @@ def track_pullar2009(
     numbers = np.arange(*frames)
     start = start_within(start, frames)
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
-    look = start.take([0]) if look is None else look
-    tracker = _Tracker(reader, (start, look), animal, background, settings, len(numbers))
-    tracker.kept = kept or tracker.kept
+    reference = start.take([0]) if reference is None else reference
+    tracker = _Tracker(
+        reader, (start, reference), animal, background, settings, len(numbers),
+        kept=kept or KeptFrames(),
+    )  # fmt: skip
     tracker.run(frames, progress, stop)
     return tracker.result(numbers)
 
@@ -124,6 +126,8 @@ class _Tracker:
         background: EmptyScene,
         settings: Pullar2009Settings,
         total: int,
+        *,
+        kept: KeptFrames,
     ) -> None:
         self.reader, self.animal = reader, animal
         self.settings, self.total = settings, total
@@ -137,7 +141,7 @@ class _Tracker:
         self.lengths_px = start.lengths_px[0]
         if settings.leg_lengths == "fitted":
             self._fit_lengths(picture)
-        self.kept = KeptFrames()
+        self.kept = kept
         self.found: dict[int, np.ndarray] = {}
         self.confidence: dict[int, np.ndarray] = {}
 
@@ -147,7 +151,7 @@ class _Tracker:
         slack = _SLACK_OF_SPAN * self.energy.span_px
         frame = self.energy.frame(picture, pose, slack_px=slack)
         rng = np.random.default_rng(self.settings.seed)
-        factors = fit_leg_lengths(self.energy, frame, pose, rng=rng)
+        self.energy, factors = fit_leg_lengths(self.energy, frame, pose, rng=rng)
         self.lengths_px = self.lengths_px * per_segment(self.animal, factors)
 
     def run(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import BoolArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import by_point, point_names, tracks_from_poses
 from pawnb.core.pose.space.parameters import IN_SPACE
@@ -54,13 +55,9 @@ def tracks_in_space(
     """
     flat = tracks_from_poses(animal, track, fps=fps, view=views[0], individual=individual)
     tracks = make_tracks(
-        track.poses.frames,
-        point_names(animal),
-        fps=fps,
-        views=list(views),
-        individual=individual,
-        unit=rig.unit,
-    )
+        track.poses.frames, point_names(animal), fps=fps, views=list(views),
+        individual=individual, unit=rig.unit,
+    )  # fmt: skip
     legs = len(animal.legs)
     of_point = np.array([*range(legs), *(i for i, leg in enumerate(animal.legs) for _ in leg.joints)])  # fmt: skip # noqa: E501
     support = np.nan_to_num(space.support)
@@ -72,27 +69,34 @@ def tracks_in_space(
     both = np.where(first == ORIGIN_CODE["measured"], second, first)
     second, both = (np.where(known, o, ORIGIN_CODE["missing"]) for o in (second, both))
     sure = flat["confidence"].to_numpy()[..., 0]
-    residual = by_point(
-        animal, np.zeros((len(track), 1)), space.residual_px[..., None]
-    )[:, 0]  # fmt: skip
+    on_body = np.zeros((len(track), 1))
+    residual = by_point(animal, on_body, space.residual_px[..., None])[:, 0]
     tracks["position"].to_numpy()[..., 0] = position
     tracks["origin"].to_numpy()[..., 0] = both
     tracks["confidence"].to_numpy()[..., 0] = np.where(known, np.minimum(sure, support), 0.0)
     tracks["residual"].to_numpy()[..., 0] = np.where(known, residual, np.nan)
-    image = tracks["image_position"].to_numpy()
-    image[:, 0] = flat["image_position"].to_numpy()[:, 0]
-    image[:, 1, :, :, 0] = by_point(animal, space.body_uv, space.seen_uv)
-    for name, other in (("confidence", np.where(known, support, 0.0)), ("origin", second)):
+    in_second = {
+        "position": by_point(animal, space.body_uv, space.seen_uv),
+        "confidence": np.where(known, support, 0.0),
+        "origin": second,
+    }
+    for name, other in in_second.items():
         values = tracks[f"image_{name}"].to_numpy()
         values[:, 0] = flat[f"image_{name}"].to_numpy()[:, 0]
-        values[:, 1, :, 0] = other
+        values[:, 1, ..., 0] = other
     sd = by_point(animal, space.body_sd, space.joints_sd)[..., None]
     dims = ("time", "space", "keypoint", "individual")
     tracks = tracks.assign(sd=(dims, sd, {"units": rig.unit}))
     pose = ("joint_angle", "joint_angle_sd", "heading", "heading_sd", "scale", "segment_length")
     tracks = tracks.assign({name: flat[name] for name in pose})
-    lengths = np.linalg.norm(np.diff(space.joints, axis=2), axis=-1)
-    size = np.nanmedian(np.nansum(lengths, axis=(1, 2))[known.any(axis=1)]) / animal.lengths.sum()
+    size = _size(animal, space, known.any(axis=1))
     return tracks.assign_attrs(
-        stick_animal=flat.attrs["stick_animal"], body_length=animal.body_length * float(size)
+        stick_animal=flat.attrs["stick_animal"], body_length=animal.body_length * size
     )
+
+
+def _size(animal: StickAnimal, space: SpaceTrack, known: BoolArray) -> float:
+    """Return units of the calibration in one of the species file, the median of known frames."""
+    lengths = np.linalg.norm(np.diff(space.joints, axis=2), axis=-1)
+    whole = np.nansum(lengths, axis=(1, 2))[known]
+    return float(np.nanmedian(whole) / animal.lengths.sum())

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core import dlt
-from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
+from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence, make_evidence
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, picture_cost
 from pawnb.core.pose.space.frame import SpaceFrame, even_arches
@@ -30,33 +32,34 @@ _DAMPING, _EASIER, _LEAST, _HARDER, _MORE, _MOST = 1e-3, 4, 1e-6, 8, 1e-4, 1e4
 steps are found, not where the bottom is."""
 
 
+@dataclass(frozen=True, eq=False)
 class SpaceFitter:
-    """Fits frames in space.
+    """Fits frames in space; :func:`make_space_fitter` makes one.
 
     Parameters
     ----------
     model : SpaceModel
         The animal and the views.
-    background : Background
-        The second view without the animal.
-    frame : Frame
-        A frame of the second view with the animal; tells whether it is dark or light.
+    evidence : Evidence
+        Turns frames of the second view into evidence.
     """
 
-    def __init__(self, model: SpaceModel, background: BackgroundPicture, frame: Frame) -> None:
-        self.model = model
-        settings = model.settings
-        self.evidence = Evidence(
-            background, factor=model.factor, light=0.0, spread=settings.unexplained_sd
-        )
-        whole = (0, 0, self.evidence.width, self.evidence.height)
-        image = self.evidence.pixels(frame, whole)
-        change = image - self.evidence.mean
-        strong = np.abs(change) >= np.percentile(np.abs(change), IN_SPACE.strong_percentile)
-        if np.median(change[strong]) > 0:
-            self.evidence.light = float(np.percentile(image[strong], IN_SPACE.light_percentile))
-        self.blur = _SQRT5 * settings.blur_px
-        self.shown = np.ones(len(model.animal.legs), bool)
+    model: SpaceModel
+    evidence: Evidence
+
+    def with_model(self, model: SpaceModel) -> SpaceFitter:
+        """Return a fitter of the animal as it is known now."""
+        return replace(self, model=model)
+
+    @property
+    def blur(self) -> float:
+        """Half width of the blur that is painted, working px."""
+        return _SQRT5 * self.model.settings.blur_px
+
+    @property
+    def shown(self) -> BoolArray:
+        """All legs are painted."""
+        return np.ones(len(self.model.animal.legs), bool)
 
     def crop(
         self, frame: Frame, xy: np.ndarray, *, places: np.ndarray, heights: tuple[float, float]
@@ -103,7 +106,7 @@ class SpaceFitter:
         return self.evidence.image_evidence(image.astype(float), box, covered)
 
     def canvas(self, image_evidence: ImageEvidence) -> tuple[np.ndarray, ...]:
-        """Return an empty canvas of a sight's size."""
+        """Return an empty canvas of the evidence's size."""
         height, width = image_evidence.seen.shape
         return make_canvas(height, width, self.model.layout)
 
@@ -311,23 +314,10 @@ class SpaceFitter:
         matrix, vector = np.zeros((len(x), len(x))), np.zeros(len(x))
         matrix[0, 0] = 1e-9
         cost = add_picture(
-            model.layout,
-            x,
-            model.coefs,
-            parts,
-            blur,
-            image_evidence.box,
-            value,
-            owner,
-            along,
-            joints,
-            image_evidence.seen,
-            image_evidence.weight,
-            settings.soft_error,
-            settings.evidence_share,
-            matrix,
-            vector,
-        )
+            model.layout, x, model.coefs, parts, blur, image_evidence.box, value, owner, along,
+            joints, image_evidence.seen, image_evidence.weight, settings.soft_error,
+            settings.evidence_share, matrix, vector,
+        )  # fmt: skip
         cost += add_known(model.layout, x, known, matrix, vector)
         return cost, matrix, vector
 
@@ -355,16 +345,37 @@ class SpaceFitter:
         canvas = self.canvas(image_evidence)
         value, owner, along, joints = canvas
         paint_space(
-            model.layout,
-            x,
-            model.coefs,
-            parts,
-            self.shown,
-            self.blur,
-            image_evidence.box,
-            value,
-            owner,
-            along,
-            joints,
-        )
+            model.layout, x, model.coefs, parts, self.shown, self.blur, image_evidence.box,
+            value, owner, along, joints,
+        )  # fmt: skip
         return canvas
+
+
+def make_space_fitter(
+    model: SpaceModel, background: BackgroundPicture, frame: Frame
+) -> SpaceFitter:
+    """Return the fitter of an animal of which nothing was learnt yet.
+
+    Parameters
+    ----------
+    model : SpaceModel
+        The animal and the views.
+    background : Background
+        The second view without the animal.
+    frame : Frame
+        A frame of the second view with the animal; tells whether it is dark or light.
+
+    Returns
+    -------
+    SpaceFitter
+        Whose evidence is of such an animal.
+    """
+    spread = model.settings.unexplained_sd
+    evidence = make_evidence(background, factor=model.factor, light=0.0, spread=spread)
+    image = evidence.pixels(frame, (0, 0, evidence.width, evidence.height))
+    change = image - evidence.mean
+    strong = np.abs(change) >= np.percentile(np.abs(change), IN_SPACE.strong_percentile)
+    if np.median(change[strong]) > 0:
+        light = float(np.percentile(image[strong], IN_SPACE.light_percentile))
+        evidence = replace(evidence, light=light)
+    return SpaceFitter(model, evidence)

@@ -13,7 +13,7 @@ from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.core.pose.space.picture_kernels import Known
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class SpaceFrame:
     """What both views show of one frame.
 

@@ -1,4 +1,4 @@
-"""The animal's own look and proportions, learnt from frames whose joints are known in space."""
+"""Appearance and proportions of the animal, learnt from frames whose joints are known in space."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Sample = tuple[SpaceFrame, ImageEvidence, np.ndarray]
 
 
 def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> SpaceModel:
-    """Return the model with body, legs' look and lengths as the pictures have them.
+    """Return the model with body, legs' appearance and lengths as the pictures have them.
 
     Parameters
     ----------
@@ -40,8 +40,7 @@ def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
         The changed model.
     """
     model = _learn_body(fitter, samples[::2])
-    fitter.model = model
-    layout = _learn_legs(fitter, samples, first)
+    layout = _learn_legs(fitter.with_model(model), samples, first)
     return model.changed(layout=layout, lengths=_learn_lengths(model, samples))
 
 
@@ -120,24 +119,15 @@ def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
     for _ in range(IN_SPACE.leg_rounds):
         legs, nodes = layout.radius.shape
         matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
-        fitter.model = model.changed(layout=layout)
+        own = fitter.with_model(model.changed(layout=layout))
         body_dark = []
         for one, image_evidence, x in samples:
-            value, owner, along, joints = fitter.painted(one, image_evidence, x)
+            value, owner, along, joints = own.painted(one, image_evidence, x)
             look_equations(
-                layout,
-                fitter.blur,
-                image_evidence.box,
-                value,
-                owner,
-                along,
-                joints,
-                image_evidence.seen,
-                image_evidence.weight,
-                model.settings.soft_error,
-                matrix,
+                layout, fitter.blur, image_evidence.box, value, owner, along, joints,
+                image_evidence.seen, image_evidence.weight, model.settings.soft_error, matrix,
                 vector,
-            )
+            )  # fmt: skip
             body_dark.append(
                 np.median(image_evidence.seen[owner < -1]) if (owner < -1).any() else np.nan
             )

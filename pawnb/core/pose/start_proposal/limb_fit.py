@@ -201,15 +201,19 @@ def fit_leg(
     best = least_squares(residuals, start, method="lm", max_nfev=200)
     places = chain(best.x)
     off = float(np.hypot(*(places[-1] - limb.tip)))
-    size = float(lengths.sum())
     close = np.mean(sample_grid(outline.ridge, places[1:])) + off
-    sure = float(
+    sure = _sureness(float(close), float(lengths.sum()), limb, margin)
+    angles = (best.x[:-1] + 180.0) % 360.0 - 180.0
+    return LegFit(angles, float(np.exp(best.x[-1])), sure)
+
+
+def _sureness(close: float, size: float, limb: LimbOutline, margin: float) -> float:
+    """Return how sure a leg of a size is that lies so close to its limb, 0 to 1."""
+    return float(
         np.exp(-((close / (0.08 * size)) ** 2))
         * (1.0 - np.exp(-max(margin, 0.0) / _SWAP))
         * min(1.0, 1.5 * limb.own / limb.length)
     )
-    angles = (best.x[:-1] + 180.0) % 360.0 - 180.0
-    return LegFit(angles, float(np.exp(best.x[-1])), sure)
 
 
 def count_crossings(chains: Sequence[np.ndarray]) -> int:

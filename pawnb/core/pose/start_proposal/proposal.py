@@ -74,7 +74,7 @@ class PoseProposal:
 
 
 @dataclass(frozen=True)
-class _Look:
+class _BodyHypothesis:
     """One frame, looked at quickly, with one way round of the body."""
 
     frame: int
@@ -131,57 +131,60 @@ def propose_pose(
     """
     every = sorted({int(frame) for frame in frames or range(reader.n_frames)})
     first = _spread(every, MOST_FRAMES)
-    looks = _look_through(reader, animal, background, first, progress)
-    if looks:
-        look, legs = _fit_best(animal, _with_travel(animal, looks))
-    if not looks or min(fit.sure for fit in legs.values()) < _DOUBTFUL:
+    hypotheses = _find_bodies(reader, animal, background, first, progress)
+    if hypotheses:
+        hypothesis, legs = _fit_best(animal, _with_travel(animal, hypotheses))
+    if not hypotheses or min(fit.sure for fit in legs.values()) < _DOUBTFUL:
         more = _spread([frame for frame in every if frame not in first], MOST_FRAMES)
-        looks += _look_through(reader, animal, background, more, progress)
-        if not looks:
+        hypotheses += _find_bodies(reader, animal, background, more, progress)
+        if not hypotheses:
             raise InputError(
                 f"no animal was found whole in {len(first) + len(more)} frames looked at: none is "
                 "there, or it touches the edge of the picture; expected at least one frame with "
                 "the whole animal inside. Pose the stick animal by hand."
             )
-        look, legs = _fit_best(animal, _with_travel(animal, looks))
-    pose = _pose_of(animal, look, legs)
+        hypothesis, legs = _fit_best(animal, _with_travel(animal, hypotheses))
+    pose = _pose_of(animal, hypothesis, legs)
     sure = {name: round(fit.sure, 3) for name, fit in legs.items()}
-    return PoseProposal(pose, sure, tuple(_notes(animal, look, pose, px_per_unit)))
+    return PoseProposal(pose, sure, tuple(_notes(animal, hypothesis, pose, px_per_unit)))
 
 
-def _look_through(
+def _find_bodies(
     reader: Frames,
     animal: StickAnimal,
     background: BackgroundModel,
     frames: Sequence[int],
     progress: Callable[[int, int], None] | None,
-) -> list[_Look]:
+) -> list[_BodyHypothesis]:
     """Look at every frame; return those that show the whole animal, each way round."""
-    looks: list[_Look] = []
+    hypotheses: list[_BodyHypothesis] = []
     for done, frame in enumerate(frames):
         outline = find_silhouette(reader.frame(frame).image(), background)
         if outline is not None and not outline.at_edge:
-            looks += _both_ways(animal, frame, outline)
+            hypotheses += _both_ways(animal, frame, outline)
         if progress is not None:
             progress(done + 1, len(frames))
-    areas = {look.frame: look.outline.mask.sum() * look.outline.shrink**2 for look in looks}
+    areas = {
+        hypothesis.frame: hypothesis.outline.mask.sum() * hypothesis.outline.shrink**2
+        for hypothesis in hypotheses
+    }
     usual = float(np.median(list(areas.values()))) if areas else 0.0
     # others show half an animal, or something else
-    return [look for look in looks if 0.6 < areas[look.frame] / usual < 1.6]
+    return [hypothesis for hypothesis in hypotheses if 0.6 < areas[hypothesis.frame] / usual < 1.6]
 
 
-def _both_ways(animal: StickAnimal, frame: int, outline: Silhouette) -> list[_Look]:
+def _both_ways(animal: StickAnimal, frame: int, outline: Silhouette) -> list[_BodyHypothesis]:
     """Return what one frame says of either way round of the body."""
     bodies = fit_body(animal, outline)
     usual_leg = float(np.median([sum(leg.lengths) for leg in animal.legs]))
     shortest = _SHORTEST * bodies[0].scale * usual_leg
     limbs = trace_limbs(outline, shortest=shortest, most=len(animal.legs) + 4)
-    looks = []
+    hypotheses = []
     for body in bodies:
         found, margins, cost = assign_limbs(animal, body, limbs)
         cost += _MISFIT * body.misfit
-        looks.append(_Look(frame, outline, body, found, margins, cost))
-    return looks
+        hypotheses.append(_BodyHypothesis(frame, outline, body, found, margins, cost))
+    return hypotheses
 
 
 def _spread(frames: Sequence[int], most: int) -> list[int]:
@@ -191,81 +194,85 @@ def _spread(frames: Sequence[int], most: int) -> list[int]:
     return [frames[int(k)] for k in np.linspace(0, len(frames) - 1, most).round()]
 
 
-def _with_travel(animal: StickAnimal, looks: list[_Look]) -> list[_Look]:
-    """Add to the cost of each look what the direction of travel says against its heading."""
+def _with_travel(animal: StickAnimal, hypotheses: list[_BodyHypothesis]) -> list[_BodyHypothesis]:
+    """Add to the cost of each hypothesis what the direction of travel says against its heading."""
     places: dict[int, np.ndarray] = {}
-    for look in looks:
-        v, u = np.nonzero(look.outline.core)
-        places[look.frame] = look.outline.to_view(np.array([u.mean(), v.mean()]))
+    for hypothesis in hypotheses:
+        v, u = np.nonzero(hypothesis.outline.core)
+        places[hypothesis.frame] = hypothesis.outline.to_view(np.array([u.mean(), v.mean()]))
     frames = sorted(places)
     along = np.array([places[frame] for frame in frames])
     step = np.gradient(along, axis=0) if len(frames) > 1 else np.zeros_like(along)
     travelled = dict(zip(frames, step, strict=True))
     out = []
-    for look in looks:
-        size = look.body.scale * look.outline.shrink * animal.body_length
-        turn = np.radians(look.body.heading_deg)
-        forward = float(travelled[look.frame] @ [np.cos(turn), np.sin(turn)]) / (0.5 * size)
-        cost = look.cost - _TRAVEL * float(np.clip(forward, -1.0, 1.0))
-        out.append(replace(look, cost=cost))
+    for hypothesis in hypotheses:
+        size = hypothesis.body.scale * hypothesis.outline.shrink * animal.body_length
+        turn = np.radians(hypothesis.body.heading_deg)
+        forward = float(travelled[hypothesis.frame] @ [np.cos(turn), np.sin(turn)]) / (0.5 * size)
+        cost = hypothesis.cost - _TRAVEL * float(np.clip(forward, -1.0, 1.0))
+        out.append(replace(hypothesis, cost=cost))
     return out
 
 
-def _fit_best(animal: StickAnimal, looks: list[_Look]) -> tuple[_Look, dict[str, LegFit]]:
+def _fit_best(
+    animal: StickAnimal, hypotheses: list[_BodyHypothesis]
+) -> tuple[_BodyHypothesis, dict[str, LegFit]]:
     """Fit the legs in the best frames; return the one that fits best."""
-    by_frame: dict[int, _Look] = {}
-    for look in looks:
-        if look.frame not in by_frame or look.cost < by_frame[look.frame].cost:
-            by_frame[look.frame] = look
+    by_frame: dict[int, _BodyHypothesis] = {}
+    for hypothesis in hypotheses:
+        if hypothesis.frame not in by_frame or hypothesis.cost < by_frame[hypothesis.frame].cost:
+            by_frame[hypothesis.frame] = hypothesis
     tried = []
-    for look in sorted(by_frame.values(), key=lambda x: x.cost)[:_TRIED]:
-        legs = {leg.name: _fit_one(leg, look) for leg in animal.legs}
-        places = joint_positions(animal, _pose_of(animal, look, legs))[0]
+    for hypothesis in sorted(by_frame.values(), key=lambda x: x.cost)[:_TRIED]:
+        legs = {leg.name: _fit_one(leg, hypothesis) for leg in animal.legs}
+        places = joint_positions(animal, _pose_of(animal, hypothesis, legs))[0]
         chains = [c[np.isfinite(c[:, 0])][1:] for c in places]
         doubt = sum(1.0 - fit.sure for fit in legs.values())
-        cost = look.cost + 3.0 * doubt + _CROSSING * count_crossings(chains)
-        tried.append((cost, look, legs))
-    _, look, legs = min(tried, key=lambda t: t[0])
-    return look, legs
+        cost = hypothesis.cost + 3.0 * doubt + _CROSSING * count_crossings(chains)
+        tried.append((cost, hypothesis, legs))
+    _, hypothesis, legs = min(tried, key=lambda t: t[0])
+    return hypothesis, legs
 
 
-def _fit_one(leg: Leg, look: _Look) -> LegFit:
+def _fit_one(leg: Leg, hypothesis: _BodyHypothesis) -> LegFit:
     """Bend one leg along its limb; without one, along that of a leg beside it, or not at all."""
-    limb, margin = look.found.get(leg.name), look.margins[leg.name]
+    limb, margin = hypothesis.found.get(leg.name), hypothesis.margins[leg.name]
     if limb is None:
-        limb = shared_limb(leg, look.body, look.found, outline=look.outline)
+        limb = shared_limb(leg, hypothesis.body, hypothesis.found, outline=hypothesis.outline)
         margin = 0.0
     if limb is None:
         return LegFit(np.array(leg.natural_deg)[np.array(leg.free)], 1.0, 0.0)
-    return fit_leg(leg, look.body, limb, outline=look.outline, margin=margin)
+    return fit_leg(leg, hypothesis.body, limb, outline=hypothesis.outline, margin=margin)
 
 
-def _pose_of(animal: StickAnimal, look: _Look, legs: dict[str, LegFit]) -> Poses:
+def _pose_of(animal: StickAnimal, hypothesis: _BodyHypothesis, legs: dict[str, LegFit]) -> Poses:
     """Return the pose in px of the view."""
-    scale = look.body.scale * look.outline.shrink
+    scale = hypothesis.body.scale * hypothesis.outline.shrink
     factors = np.array([legs[leg.name].factor for leg in animal.legs for _ in leg.lengths])
     return Poses(
-        frames=np.array([look.frame]),
-        xy=look.outline.to_view(look.body.xy)[None],
-        heading_deg=np.array([look.body.heading_deg]),
+        frames=np.array([hypothesis.frame]),
+        xy=hypothesis.outline.to_view(hypothesis.body.xy)[None],
+        heading_deg=np.array([hypothesis.body.heading_deg]),
         scale=np.array([scale]),
         angles_deg=np.concatenate([legs[leg.name].angles_deg for leg in animal.legs])[None],
         lengths_px=(scale * animal.lengths * factors)[None],
     )
 
 
-def _notes(animal: StickAnimal, look: _Look, pose: Poses, px_per_unit: float | None) -> list[str]:
+def _notes(
+    animal: StickAnimal, body: _BodyHypothesis, pose: Poses, px_per_unit: float | None
+) -> list[str]:
     """Say what a person should know."""
     notes = []
-    missing = [leg.name for leg in animal.legs if leg.name not in look.found]
+    missing = [leg.name for leg in animal.legs if leg.name not in body.found]
     if missing:
         notes.append(
-            f"No limb of its own was found for {', '.join(missing)} in frame {look.frame}: look "
+            f"No limb of its own was found for {', '.join(missing)} in frame {body.frame}: look "
             "at it, pose it by hand, or say that the leg is missing."
         )
-    if look.outline.others > _SECOND:
+    if body.outline.others > _SECOND:
         notes.append(
-            f"Frame {look.frame} shows a second thing, {100 * look.outline.others:.0f} % as large "
+            f"Frame {body.frame} shows a second thing, {100 * body.outline.others:.0f} % as large "
             "as the animal; the larger was posed. Crop the view if it is the wrong one."
         )
     if px_per_unit is not None:

@@ -22,7 +22,7 @@ from pawnb.core.pose.fit.steps import Steps
 
 STEPS = (
     "fit_starts", "follow", "learn_what_hides", "fit_starts_again", "follow", "learn_appearance",
-    "settle",
+    "fit_together",
 )  # fmt: skip
 """In their order, where something hides legs."""
 
@@ -89,7 +89,7 @@ def test_no_step_writes_into_the_state_that_it_is_given(monkeypatch):
     assert called == list(STEPS)
     assert state.passes == 2
     assert [one.frame for one in state.frames] == [0, 1, 2, 3]
-    assert len(state.settled) == len(state.poses) == 4
+    assert len(state.final_fits) == len(state.poses) == 4
     # two ways of 4 frames and 3 between the starts, twice over the ways, and 4 fits together
     assert counted[-1][1] == 2 * 4 + 3 + 4 + 3
 

@@ -23,7 +23,7 @@ class LegCandidates:
     pose : ndarray, shape (n_parameters,)
         The pose followed so far.
     image, box
-        Grey working pixels of the crop (uint8) and where they lie, for a second look.
+        Grey working pixels of the crop (uint8) and where they lie, to be observed again.
     legs : tuple of ndarray, shape (candidates, 2 links)
         Of each leg, its possible parts of the pose vector; the first is that of ``pose``.
     joints : tuple of ndarray, shape (candidates, segments + 1, 2)
@@ -112,13 +112,13 @@ def recalled(
         The frame as it was.
     """
     box = tuple(record["box"])
-    choices = only_choice(fitter, frame, record["pose"], image=image, box=box)
+    candidates = only_candidate(fitter, frame, record["pose"], image=image, box=box)
     found: dict[str, Any] = {name: tuple(record[name]) for name in _OF_LEGS}
     found |= {name: {(a, b): costs for a, b, costs in record[name]} for name in _OF_PAIRS}
-    return replace(choices, **found)
+    return replace(candidates, **found)
 
 
-def only_choice(
+def only_candidate(
     fitter: FrameFitter, frame: int, pose: FloatArray, *, image: FloatArray, box: tuple
 ) -> LegCandidates:
     """Return the frame with one pose of each leg.

@@ -152,7 +152,7 @@ def part_about(
     leg: int,
     guesses: Sequence[np.ndarray],
 ) -> ImageEvidence:
-    """Return the part of a sight about some places of a leg, each its part of the pose vector.
+    """Return the part of the evidence about some places of a leg, each its part of the pose vector.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def part_about(
 
 
 def part_near(image_evidence: ImageEvidence, legs: Sequence[np.ndarray]) -> ImageEvidence:
-    """Return the part of a sight about legs that are fitted alone; joints (n, 2), NaN beyond."""
+    """Return the part of the evidence about legs fitted alone; joints (n, 2), NaN beyond."""
     joints = np.concatenate(legs)
     low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)
     return part_of(image_evidence, low - CANDIDATES.room_px, high + CANDIDATES.room_px)
@@ -184,7 +184,7 @@ def part_near(image_evidence: ImageEvidence, legs: Sequence[np.ndarray]) -> Imag
 
 def with_candidates(
     fitter: FrameFitter,
-    choices: LegCandidates,
+    candidates: LegCandidates,
     extra: dict[int, list[np.ndarray]],
     *,
     image_evidence: ImageEvidence,
@@ -200,7 +200,7 @@ def with_candidates(
     ----------
     fitter : FrameFitter
         Fitter of this frame.
-    choices : LegCandidates
+    candidates : LegCandidates
         The frame as known so far.
     extra : dict
         Of some legs, further parts of the pose vector; of those on the same limb only the first
@@ -216,19 +216,19 @@ def with_candidates(
         Without candidates that explain little, and, of one added before and one added now on the
         same limb, without the one that costs more.
     """
-    legs, joints = list(choices.legs), list(choices.joints)
+    legs, joints = list(candidates.legs), list(candidates.joints)
     for leg, more in extra.items():
         n, before = fitter.layout.n_segments[leg], len(joints[leg])
         for numbers in more:
-            places = _joints(fitter, choices.pose, leg, numbers)
+            places = _joints(fitter, candidates.pose, leg, numbers)
             others = (joints[leg][0], *joints[leg][before:])
             if all(chains_apart(places, known, n) > CANDIDATES.same_px for known in others):
                 legs[leg] = np.concatenate([legs[leg], numbers[None]])
                 joints[leg] = np.concatenate([joints[leg], places[None]])
-    choices = replace(choices, legs=tuple(legs), joints=tuple(joints))
-    if not choices.is_open:
-        return choices
-    return weighed(fitter, choices, image_evidence=image_evidence, prior=prior)
+    candidates = replace(candidates, legs=tuple(legs), joints=tuple(joints))
+    if not candidates.is_open:
+        return candidates
+    return weighed(fitter, candidates, image_evidence=image_evidence, prior=prior)
 
 
 def _joints(fitter: FrameFitter, pose: FloatArray, leg: int, numbers: FloatArray) -> FloatArray:

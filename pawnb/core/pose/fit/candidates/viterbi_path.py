@@ -55,17 +55,17 @@ def improve_viterbi_path(followed: Followed) -> Followed:
 def _adopted(followed: Followed, paths: _Path) -> Followed:
     """Return frames with the poses of the path; candidates stay as they are."""
     numbers, frames = followed.fitter.index.numbers, []
-    for choices, chosen in zip(followed.frames, paths, strict=True):
-        pose = choices.pose.copy()
+    for candidates, chosen in zip(followed.frames, paths, strict=True):
+        pose = candidates.pose.copy()
         for leg, which in chosen.items():
-            pose[numbers[leg]] = choices.legs[leg][which]
-        frames.append(choices.with_pose(pose))
+            pose[numbers[leg]] = candidates.legs[leg][which]
+        frames.append(candidates.with_pose(pose))
     return followed.with_frames(frames)
 
 
 def _followed_backwards(followed: Followed) -> Followed:
     """Return frames with what following backwards finds in the doubtful ones, in two halves."""
-    doubtful = [t for t, choices in enumerate(followed.frames) if choices.is_doubtful]
+    doubtful = [t for t, candidates in enumerate(followed.frames) if candidates.is_doubtful]
     half = len(doubtful) // 2
     parts = (doubtful[:half], doubtful[half:])
     earlier, later = on_threads(lambda part: _second_pass(followed, part), parts)
@@ -79,7 +79,7 @@ def _second_pass(followed: Followed, frames: Sequence[int]) -> dict[int, LegCand
     anatomy, lengths = usual_anatomy(fitter, followed.middle), fitter.index.lengths
     out, before = {}, -1
     for t in reversed(frames):
-        choices = kept[t]
+        candidates = kept[t]
         if before != t + 1:  # not followed to here: the sure frames after it say how it moves
             after = min(t + 1, last)
             pose = kept[after].pose
@@ -87,12 +87,14 @@ def _second_pass(followed: Followed, frames: Sequence[int]) -> dict[int, LegCand
             velocity[lengths] = 0.0
         before = t
         expected = pose + CANDIDATES.viterbi_path_keep_velocity * velocity
-        image_evidence = evidence_of(fitter, choices.pose, image=choices.grey, box=choices.box)
+        image_evidence = evidence_of(
+            fitter, candidates.pose, image=candidates.grey, box=candidates.box
+        )
         prior = expectation(fitter, anatomy, expected)
         found = fit_expected(fitter, expected, image_evidence=image_evidence, prior=prior)
         extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.index.numbers)}
         out[t] = with_candidates(
-            fitter, choices, extra, image_evidence=image_evidence, prior=anatomy
+            fitter, candidates, extra, image_evidence=image_evidence, prior=anatomy
         )
         velocity = found - pose
         velocity[lengths] = 0.0
@@ -109,10 +111,10 @@ def _paths(followed: Followed) -> _Path:
     out: _Path = [{} for _ in followed.frames]
     for legs in 2 * followed.fitter.index.sides:
         trellis: ViterbiTrellis | None = None
-        for choices, chosen in zip(followed.frames, out, strict=True):
+        for candidates, chosen in zip(followed.frames, out, strict=True):
             others = {leg: k for leg, k in chosen.items() if leg not in legs}
-            energy = side_energy(choices, legs, share, others=others)
-            joints = tuple(choices.joints[leg] for leg in legs)
+            energy = side_energy(candidates, legs, share, others=others)
+            joints = tuple(candidates.joints[leg] for leg in legs)
             trellis = extend_trellis(trellis, energy, joints, jump_px=followed.jump_px)
         states = [] if trellis is None else trellis.path()
         for chosen, state in zip(out, states, strict=True):
@@ -136,8 +138,8 @@ def _traced(followed: Followed, leaps: Sequence[tuple[int, int, FloatArray]]) ->
     """Return frames with what following legs backwards from their leaps finds."""
     frames = list(followed.frames)
     for leg, t, numbers in leaps:
-        for back, choices in _trace(followed.fitter, frames[:t], leg, numbers).items():
-            frames[back] = choices
+        for back, candidates in _trace(followed.fitter, frames[:t], leg, numbers).items():
+            frames[back] = candidates
     return followed.with_frames(frames)
 
 
@@ -151,16 +153,18 @@ def _trace(
     velocity, out = np.zeros_like(numbers), {}
     last = len(frames) - 1
     for back in range(last, max(last - CANDIDATES.most_back, -1), -1):
-        choices = frames[back]
-        image_evidence = evidence_of(fitter, choices.pose, image=choices.grey, box=choices.box)
+        candidates = frames[back]
+        image_evidence = evidence_of(
+            fitter, candidates.pose, image=candidates.grey, box=candidates.box
+        )
         found = fit_leg(
-            fitter, choices.pose, leg, guess=numbers + velocity, image_evidence=image_evidence,
+            fitter, candidates.pose, leg, guess=numbers + velocity, image_evidence=image_evidence,
             prior=fitter.anatomy, rounds=CANDIDATES.rounds_back,
         )  # fmt: skip
         out[back] = with_candidates(
-            fitter, choices, {leg: [found]}, image_evidence=image_evidence, prior=fitter.anatomy
+            fitter, candidates, {leg: [found]}, image_evidence=image_evidence, prior=fitter.anatomy
         )
-        if len(out[back].legs[leg]) == len(choices.legs[leg]):
+        if len(out[back].legs[leg]) == len(candidates.legs[leg]):
             break
         velocity = np.clip(found - numbers, -CANDIDATES.fastest_back, CANDIDATES.fastest_back)
         numbers = found

@@ -37,7 +37,7 @@ class _Weighed:
 
 
 def weighed(
-    fitter: FrameFitter, choices: LegCandidates, *, image_evidence: ImageEvidence, prior: Prior
+    fitter: FrameFitter, candidates: LegCandidates, *, image_evidence: ImageEvidence, prior: Prior
 ) -> LegCandidates:
     """Return a frame in which all candidates are weighed, without the worthless.
 
@@ -45,7 +45,7 @@ def weighed(
     ----------
     fitter : FrameFitter
         Fitter of this frame.
-    choices : LegCandidates
+    candidates : LegCandidates
         The frame.
     image_evidence : ImageEvidence
         What it shows.
@@ -57,14 +57,14 @@ def weighed(
     LegCandidates
         With what candidates are worth alone and in pairs.
     """
-    base = body_zone(fitter, choices.pose, image_evidence).copy()
+    base = body_zone(fitter, candidates.pose, image_evidence).copy()
     of_legs = [
-        _weighed_leg(fitter, choices, leg, image_evidence, prior, base)
-        for leg in range(len(choices.legs))
+        _weighed_leg(fitter, candidates, leg, image_evidence, prior, base)
+        for leg in range(len(candidates.legs))
     ]
     shared, crossed = _weighed_pairs(fitter, of_legs, image_evidence, base)
     return replace(
-        choices,
+        candidates,
         legs=tuple(one.legs for one in of_legs),
         joints=tuple(one.joints for one in of_legs),
         worth=tuple(one.worth for one in of_legs),
@@ -76,7 +76,7 @@ def weighed(
 
 def _weighed_leg(
     fitter: FrameFitter,
-    choices: LegCandidates,
+    candidates: LegCandidates,
     leg: int,
     image_evidence: ImageEvidence,
     prior: Prior,
@@ -84,9 +84,9 @@ def _weighed_leg(
 ) -> _Weighed:
     """Return a leg's candidates worth keeping; ``base`` is the painted body."""
     value, owner, along, joints = fitter.canvas(image_evidence)
-    numbers, trial = fitter.index.numbers[leg], choices.pose.copy()
+    numbers, trial = fitter.index.numbers[leg], candidates.pose.copy()
     worth, marks, improbable = [], [], []
-    for candidate in choices.legs[leg]:
+    for candidate in candidates.legs[leg]:
         trial[numbers] = candidate
         pixels, darks, cost = leg_footprint(
             fitter.layout, trial, leg, image_evidence, fitter.blur, fitter.settings.soft_error,
@@ -98,11 +98,11 @@ def _weighed_leg(
     alone, unlikely = np.array(worth), np.array(improbable)
     seen = np.array([len(pixels) for pixels, _ in marks])
     cost = fitter.settings.evidence_share * alone + unlikely
-    distinct = _distinct(choices.joints[leg], cost, int(fitter.layout.n_segments[leg]))
+    distinct = _distinct(candidates.joints[leg], cost, int(fitter.layout.n_segments[leg]))
     share = alone / (seen + CANDIDATES.few_pixels)
     keep = _worth_keeping(share, distinct, fitter.settings.candidates)
     return _Weighed(
-        choices.legs[leg][keep], choices.joints[leg][keep], alone[keep], unlikely[keep],
+        candidates.legs[leg][keep], candidates.joints[leg][keep], alone[keep], unlikely[keep],
         [marks[i] for i in keep],
     )  # fmt: skip
 
@@ -134,7 +134,7 @@ def _weighed_pairs(
 
 
 def _may_meet(one: FloatArray, other: FloatArray) -> bool:
-    """Return whether the boxes about all candidates of two legs, joints as in Choices, overlap."""
+    """Return whether the boxes about the joints of all candidates of two legs overlap."""
     low = np.fmax(np.nanmin(one, axis=(0, 1)), np.nanmin(other, axis=(0, 1)))
     high = np.fmin(np.nanmax(one, axis=(0, 1)), np.nanmax(other, axis=(0, 1)))
     return bool(np.all(high - low > -CANDIDATES.beside_px))
@@ -178,7 +178,7 @@ def _worth_keeping(alone: FloatArray, distinct: list[int], most: int) -> IntArra
 
 
 def side_energy(
-    choices: LegCandidates, legs: Sequence[int], share: float, *, others: Mapping[int, int]
+    candidates: LegCandidates, legs: Sequence[int], share: float, *, others: Mapping[int, int]
 ) -> FloatArray:
     """Return the cost of every combination of one side's candidates, one axis a leg.
 
@@ -189,7 +189,7 @@ def side_energy(
 
     Parameters
     ----------
-    choices : LegCandidates
+    candidates : LegCandidates
         The frame.
     legs : sequence of int
         Legs of the side.
@@ -203,20 +203,20 @@ def side_energy(
     ndarray
         Cost, one axis a leg.
     """
-    shape = [len(choices.legs[leg]) for leg in legs]
+    shape = [len(candidates.legs[leg]) for leg in legs]
     out = np.zeros(shape)
     for i, leg in enumerate(legs):
-        alone = share * choices.worth[leg] + choices.unlikely[leg]
+        alone = share * candidates.worth[leg] + candidates.unlikely[leg]
         for other, which in others.items():
-            if (leg, other) in choices.shared:
-                alone = alone + share * choices.shared[leg, other][:, which]
-            elif (other, leg) in choices.shared:
-                alone = alone + share * choices.shared[other, leg][which]
+            if (leg, other) in candidates.shared:
+                alone = alone + share * candidates.shared[leg, other][:, which]
+            elif (other, leg) in candidates.shared:
+                alone = alone + share * candidates.shared[other, leg][which]
         out += alone.reshape([-1 if k == i else 1 for k in range(len(legs))])
         for j in range(i + 1, len(legs)):
-            pair = choices.shared.get((leg, legs[j]))
+            pair = candidates.shared.get((leg, legs[j]))
             if pair is not None:
-                pair = share * pair + CANDIDATES.leg_candidates_crossed * choices.crossed.get(
+                pair = share * pair + CANDIDATES.leg_candidates_crossed * candidates.crossed.get(
                     (leg, legs[j]), 0.0
                 )
                 out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])

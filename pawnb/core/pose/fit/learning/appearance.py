@@ -41,7 +41,7 @@ def learn_appearance(
     ----------
     layout : Layout
         The animal as known so far.
-    frames : sequence of (pose, sight)
+    frames : sequence of (ndarray, ImageEvidence)
         Frames whose pose is known.
     first : Layout
         The animal as the species file has it: where the pictures say little, thickness stays
@@ -106,7 +106,7 @@ def fit_appearance(
 
 @dataclass(frozen=True)
 class _Known:
-    """What stays the same while a look is learnt; see :func:`learn_appearance`."""
+    """What stays the same while an appearance is learnt; see :func:`learn_appearance`."""
 
     first: Layout
     partner: IntArray
@@ -117,13 +117,13 @@ class _Known:
 
 @dataclass(frozen=True)
 class _Step:
-    """A Gauss-Newton step: the look it leads to, and how the poses of frames move with it.
+    """A Gauss-Newton step: the appearance it leads to, and how the poses of frames move with it.
 
     Attributes
     ----------
     cost : float
-        Of the look and poses before it.
-    look : Layout
+        Of the appearance and poses before it.
+    appearance : Layout
         After the whole step.
     moves : list of ndarray, shape (n_parameters,)
         Of the pose of each frame.
@@ -132,7 +132,7 @@ class _Step:
     """
 
     cost: float
-    look: Layout
+    appearance: Layout
     moves: list[np.ndarray]
     body: BodyEquations
 
@@ -157,7 +157,7 @@ def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known:
     legs_learnt = learn_legs(
         layout, known.first, known.partner, equations=(matrix, vector), n_frames=len(frames)
     )
-    cost = sum(one.cost for one in said) + _look_cost(layout, known, body, len(frames))
+    cost = sum(one.cost for one in said) + _appearance_cost(layout, known, body, len(frames))
     ellipse, moves = body.solve()
     return _Step(cost, legs_learnt._replace(ellipse=ellipse), moves, body)
 
@@ -167,59 +167,37 @@ def _of_frame(
 ) -> _OfFrame:
     """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
     pose, image_evidence = frame
-    blur, soft, n = known.blur, known.soft, len(pose)
+    blur, soft = known.blur, known.soft
     canvas, cost = _painted(layout, pose, image_evidence, known)
     value, owner, along, joints = canvas
+    seen, weight, box = image_evidence.seen, image_evidence.weight, image_evidence.box
     legs, nodes = layout.radius.shape
     matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
     look_equations(
-        layout,
-        blur,
-        image_evidence.box,
-        value,
-        owner,
-        along,
-        joints,
-        image_evidence.seen,
-        image_evidence.weight,
-        soft,
-        matrix,
-        vector,
+        layout, blur, box, value, owner, along, joints, seen, weight, soft, matrix, vector
     )
     parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
-    body_equations(
-        layout,
-        meets,
-        pose,
-        blur,
-        image_evidence.box,
-        value,
-        owner,
-        image_evidence.seen,
-        image_evidence.weight,
-        soft,
-        parts,
-        sums,
-    )
-    of_pose, slope = np.zeros((n, n)), np.zeros(n)
+    body_equations(layout, meets, pose, blur, box, value, owner, seen, weight, soft, parts, sums)
+    of_pose = _pose_equations(layout, frame, known, canvas)
+    return _OfFrame(cost, (matrix, vector), (parts, sums), of_pose)
+
+
+def _pose_equations(
+    layout: Layout,
+    frame: tuple[FloatArray, ImageEvidence],
+    known: _Known,
+    canvas: tuple[np.ndarray, ...],
+) -> tuple[FloatArray, FloatArray]:
+    """Return the matrix and the gradient of a frame's pose, which is painted on the canvas."""
+    pose, image_evidence = frame
+    value, owner, along, joints = canvas
+    n, shown = len(pose), np.ones(len(layout.radius) + 1, bool)
+    matrix, slope = np.zeros((n, n)), np.zeros(n)
     normal_matrix(
-        layout,
-        pose,
-        image_evidence,
-        known.prior,
-        np.arange(n),
-        np.ones(legs + 1, bool),
-        blur,
-        soft,
-        value,
-        owner,
-        along,
-        joints,
-        of_pose,
-        slope,
-    )
-    whole = of_pose + np.tril(of_pose, -1).T  # the loops fill the lower triangle
-    return _OfFrame(cost, (matrix, vector), (parts, sums), (whole, slope))
+        layout, pose, image_evidence, known.prior, np.arange(n), shown, known.blur, known.soft,
+        value, owner, along, joints, matrix, slope,
+    )  # fmt: skip
+    return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle
 
 
 def _painted(
@@ -234,29 +212,31 @@ def _painted(
     return canvas, cost + prior_cost(pose, known.prior, np.arange(len(pose)))
 
 
-def _look_cost(layout: Layout, known: _Known, body: BodyEquations, n_frames: int) -> float:
-    """Return what a look costs by itself."""
+def _appearance_cost(layout: Layout, known: _Known, body: BodyEquations, n_frames: int) -> float:
+    """Return what an appearance costs by itself."""
     return _prior_cost(layout, known.first, n_frames) + body.prior_cost(layout.ellipse)
 
 
 def _taken(
     layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], step: _Step, share: float
 ) -> tuple[Layout, list[tuple[np.ndarray, ImageEvidence]]]:
-    """Return look and frames after a share of a step."""
+    """Return appearance and frames after a share of a step."""
 
     def between(now: FloatArray, then: FloatArray) -> FloatArray:
         return now + share * (then - now)
 
     radius = layout.radius.copy()
     thick = radius > 0.0  # legs with few segments are padded
-    radius[thick] = np.exp(between(np.log(radius[thick]), np.log(step.look.radius[thick])))
-    look = layout._replace(
+    radius[thick] = np.exp(between(np.log(radius[thick]), np.log(step.appearance.radius[thick])))
+    appearance = layout._replace(
         radius=radius,
-        dark=between(layout.dark, step.look.dark),
-        ellipse=between(layout.ellipse, step.look.ellipse),
+        dark=between(layout.dark, step.appearance.dark),
+        ellipse=between(layout.ellipse, step.appearance.ellipse),
     )
     moves = zip(frames, step.moves, strict=True)
-    return look, [(pose + share * move, image_evidence) for (pose, image_evidence), move in moves]
+    return appearance, [
+        (pose + share * move, image_evidence) for (pose, image_evidence), move in moves
+    ]
 
 
 def _helpful_share(
@@ -269,9 +249,9 @@ def _helpful_share(
     """
 
     def cost(share: float) -> float:
-        look, here = _taken(layout, frames, step, share)
-        parts = on_threads(lambda frame: _painted(look, *frame, known)[1], here)
-        return sum(parts) + _look_cost(look, known, step.body, len(frames))
+        appearance, here = _taken(layout, frames, step, share)
+        parts = on_threads(lambda frame: _painted(appearance, *frame, known)[1], here)
+        return sum(parts) + _appearance_cost(appearance, known, step.body, len(frames))
 
     return next((share for share in LEARNING.appearance_shares if cost(share) < step.cost), 0.0)
 
@@ -312,7 +292,7 @@ def learn_legs(
         share = n_frames * (2.0 if both[leg] else 1.0)
         now = np.concatenate([np.log(radius[leg, :n]), dark[leg, :n]])
         goal = np.concatenate([np.log(first.radius[leg, :n]), first.dark[leg, :n]])
-        stiff = share * _look_prior(n)
+        stiff = share * _appearance_prior(n)
         left = matrix[leg][np.ix_(keep, keep)] + stiff
         move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
         now += np.clip(move, -LEARNING.most_change, LEARNING.most_change)
@@ -330,12 +310,12 @@ def _prior_cost(layout: Layout, first: Layout, n_frames: int) -> float:
         n = int(n_segments) + 1
         thicker = np.log(layout.radius[leg, :n] / first.radius[leg, :n])
         away = np.concatenate([thicker, layout.dark[leg, :n] - first.dark[leg, :n]])
-        total += 0.5 * n_frames * float(away @ _look_prior(n) @ away)
+        total += 0.5 * n_frames * float(away @ _appearance_prior(n) @ away)
     return total
 
 
 @functools.cache
-def _look_prior(n: int) -> FloatArray:
+def _appearance_prior(n: int) -> FloatArray:
     """Return the precision of a leg's logarithmic radii and darknesses, shape (2n, 2n)."""
     out = np.zeros((2 * n, 2 * n))
     change = np.diff(np.eye(n), axis=0)

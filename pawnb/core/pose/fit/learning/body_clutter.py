@@ -29,7 +29,7 @@ def find_body_clutter(
     ----------
     fitter : FrameFitter
         A fitter.
-    frames : sequence of (pose, sight)
+    frames : sequence of (ndarray, ImageEvidence)
         Frames whose pose is known.
 
     Returns
@@ -73,7 +73,7 @@ def _difference(
 def without_body_clutter(
     fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
 ) -> ImageEvidence:
-    """Return a sight in which the fitter's odd places have no weight; the body is at ``pose``.
+    """Return evidence in which the fitter's odd places have no weight; the body is at ``pose``.
 
     Parameters
     ----------

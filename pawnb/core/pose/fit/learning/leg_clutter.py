@@ -27,7 +27,7 @@ def find_leg_clutter(
     ----------
     fitter : FrameFitter
         A fitter.
-    frames : sequence of (pose, sight)
+    frames : sequence of (ndarray, ImageEvidence)
         Frames whose pose is known.
 
     Returns
@@ -67,7 +67,7 @@ def _differences(
 def without_leg_clutter(
     fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
 ) -> ImageEvidence:
-    """Return a sight in which the hairs of legs have no weight; the animal is at ``pose``.
+    """Return evidence in which the hairs of legs have no weight; the animal is at ``pose``.
 
     Parameters
     ----------

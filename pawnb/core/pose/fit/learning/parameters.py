@@ -121,7 +121,7 @@ class LearningParameters:
     pose_prior_poses : int
         Usual poses of a leg that are kept. Set by hand.
     relearn_frames : int
-        Frames that the look is learnt from, spread over the recording. Set by hand.
+        Frames that appearance is learnt from, spread over the recording. Set by hand.
     relearn_rounds : int
         Turns of learning and fitting. Set by hand.
     look_rounds : int

@@ -13,13 +13,13 @@ _SQRT5 = np.sqrt(5.0)
 
 
 def blurred(image_evidence: ImageEvidence, half_width: float) -> ImageEvidence:
-    """Return the sight blurred by a Gaussian as wide as a parabolic kernel of that half width."""
+    """Return evidence blurred by a Gaussian as wide as a parabolic kernel of that half width."""
     sd = half_width / _SQRT5
     return image_evidence._replace(seen=cv2.GaussianBlur(image_evidence.seen, (0, 0), sd))
 
 
 def part_of(image_evidence: ImageEvidence, low: FloatArray, high: FloatArray) -> ImageEvidence:
-    """Return the part of a sight between two places, working px, as far as it has it.
+    """Return the part of the evidence between two places, working px, as far as it has it.
 
     Parameters
     ----------

@@ -7,6 +7,7 @@ does not cover, and smoothed.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
 import cv2
@@ -41,13 +42,14 @@ class BackgroundPicture(Protocol):
         """Their standard deviation."""
 
 
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Evidence:
-    """Turns frames into :class:`ImageEvidence`.
+    """Turns frames into :class:`ImageEvidence`; :func:`make_evidence` makes one.
 
     Parameters
     ----------
-    background : Background
-        The empty scene, in pixels of the view.
+    mean, sd : ndarray, shape (H, W)
+        The empty scene and its noise, grey working pixels.
     factor : int
         View pixels along each side of a working pixel.
     light : float
@@ -56,17 +58,21 @@ class Evidence:
         Standard deviation of what a well fitted animal leaves unexplained, relative darkness.
     """
 
-    def __init__(
-        self, background: BackgroundPicture, *, factor: int, light: float, spread: float
-    ) -> None:
-        self.factor = factor
-        self.light = light
-        self.spread = spread
-        self.mean = reduced(background.mean, factor)
-        sd = np.nan_to_num(np.asarray(background.sd, dtype=float), nan=0.0)
-        # noise of neighbours is taken as independent
-        self.sd = np.sqrt(reduced(sd**2, factor)) / factor
-        self.height, self.width = self.mean.shape
+    mean: FloatArray
+    sd: FloatArray
+    factor: int
+    light: float
+    spread: float
+
+    @property
+    def height(self) -> int:
+        """Height of the picture, working px."""
+        return self.mean.shape[0]
+
+    @property
+    def width(self) -> int:
+        """Width of the picture, working px."""
+        return self.mean.shape[1]
 
     def crop_box(self, centre: FloatArray, reach: float) -> tuple[int, int, int, int]:
         """Return the crop about a place, cut at the picture's edges, working pixels."""
@@ -112,8 +118,36 @@ class Evidence:
         return ImageEvidence(seen, weight, np.array([float(u0), float(v0)]))
 
 
+def make_evidence(
+    background: BackgroundPicture, *, factor: int, light: float, spread: float
+) -> Evidence:
+    """Return what turns frames of a scene into evidence.
+
+    Parameters
+    ----------
+    background : Background
+        The empty scene, in pixels of the view.
+    factor, light, spread
+        As :class:`Evidence` has them.
+
+    Returns
+    -------
+    Evidence
+        With the scene in working pixels.
+    """
+    sd = np.nan_to_num(np.asarray(background.sd, dtype=float), nan=0.0)
+    return Evidence(
+        mean=reduced(background.mean, factor),
+        # noise of neighbours is taken as independent
+        sd=np.sqrt(reduced(sd**2, factor)) / factor,
+        factor=factor,
+        light=light,
+        spread=spread,
+    )
+
+
 def without_wide(image_evidence: ImageEvidence, body: BoolArray, *, size: int) -> ImageEvidence:
-    """Return a sight in which only the body and what is as thin as a leg is dark.
+    """Return evidence in which only the body and what is as thin as a leg is dark.
 
     Wings, the shadow of someone who passes, a lump of debris that a leg touches: whatever holds a
     disc wider than the thickest leg is no leg. It is taken as a filter before which legs are

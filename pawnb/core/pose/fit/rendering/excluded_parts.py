@@ -11,7 +11,7 @@ from pawnb.core.pose.fit.rendering.leg_attachments import without_leg_attachment
 
 
 def counted(fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence) -> ImageEvidence:
-    """Return a sight without the weight of odd places, hairs and corners; see their modules.
+    """Return evidence without the weight of odd places, hairs and corners; see their modules.
 
     Parameters
     ----------

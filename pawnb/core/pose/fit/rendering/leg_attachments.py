@@ -20,7 +20,7 @@ from pawnb.core.pose.fit.rendering.parameters import RENDERING
 def without_leg_attachments(
     fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
 ) -> ImageEvidence:
-    """Return a sight in which corners have no weight; the animal is at ``pose``.
+    """Return evidence in which corners have no weight; the animal is at ``pose``.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_candidate
 from pawnb.core.pose.fit.candidates.leg_candidates import with_candidates
 from pawnb.core.pose.fit.candidates.viterbi_path import improve_viterbi_path
 from pawnb.core.pose.fit.fitter import FrameFitter
@@ -170,26 +170,27 @@ def _between(
     ).frames
     forward = ways.follow(fitter, known[first], range(first, last), way=f"from {first}")
     there, back = (
-        {choices.frame: choices for choices in found} for found in (forward.frames, backward)
+        {candidates.frame: candidates for candidates in found}
+        for found in (forward.frames, backward)
     )
     found = [
-        _with_pose_of(fitter, choices, back[number]) if number in back else choices
-        for number, choices in there.items()
+        _with_pose_of(fitter, candidates, back[number]) if number in back else candidates
+        for number, candidates in there.items()
     ]
     found += [back[number] for number in sorted(back) if number not in there]
     found = _unwrapped(_pinned(fitter, found, known))
     improved = improve_viterbi_path(forward.with_frames(found))
-    return [choices for choices in improved.frames if choices.frame != last]
+    return [candidates for candidates in improved.frames if candidates.frame != last]
 
 
 def _with_pose_of(
-    fitter: FrameFitter, choices: LegCandidates, other: LegCandidates
+    fitter: FrameFitter, candidates: LegCandidates, other: LegCandidates
 ) -> LegCandidates:
     """Return a frame to which each leg of another pose is a candidate."""
-    image_evidence = evidence_of(fitter, choices.pose, image=choices.grey, box=choices.box)
+    image_evidence = evidence_of(fitter, candidates.pose, image=candidates.grey, box=candidates.box)
     extra = {leg: [other.pose[numbers]] for leg, numbers in enumerate(fitter.index.numbers)}
     return with_candidates(
-        fitter, choices, extra, image_evidence=image_evidence, prior=fitter.anatomy
+        fitter, candidates, extra, image_evidence=image_evidence, prior=fitter.anatomy
     )
 
 
@@ -198,22 +199,22 @@ def _pinned(
 ) -> list[LegCandidates]:
     """Return frames that leave nothing open where the pose is known."""
 
-    def pinned(choices: LegCandidates) -> LegCandidates:
-        if choices.frame not in known:
-            return choices
-        pose, grey = known[choices.frame], choices.grey
-        only = only_choice(fitter, choices.frame, pose, image=grey, box=choices.box)
+    def pinned(candidates: LegCandidates) -> LegCandidates:
+        if candidates.frame not in known:
+            return candidates
+        pose, grey = known[candidates.frame], candidates.grey
+        only = only_candidate(fitter, candidates.frame, pose, image=grey, box=candidates.box)
         return only.with_alternatives({})
 
-    return [pinned(choices) for choices in found]
+    return [pinned(candidates) for candidates in found]
 
 
 def _unwrapped(found: Sequence[LegCandidates]) -> list[LegCandidates]:
     """Give headings no leaps of a whole turn: each known pose has its own."""
     out = []
-    turns = np.unwrap([choices.pose[HEADING] for choices in found])
-    for choices, turn in zip(found, turns, strict=True):
-        pose = choices.pose.copy()
+    turns = np.unwrap([candidates.pose[HEADING] for candidates in found])
+    for candidates, turn in zip(found, turns, strict=True):
+        pose = candidates.pose.copy()
         pose[HEADING] = turn
-        out.append(choices.with_pose(pose))
+        out.append(candidates.with_pose(pose))
     return out

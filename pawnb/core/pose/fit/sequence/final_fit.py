@@ -29,7 +29,7 @@ from pawnb.core.pose.fit.support import leg_supports
 
 
 @dataclass(frozen=True)
-class Settled:
+class FinalFit:
     """A frame's last fit; working pixels and radians.
 
     Attributes
@@ -100,9 +100,9 @@ class _Others:
         return out
 
 
-def settle_all(
+def fit_all_frames(
     fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray
-) -> list[Settled]:
+) -> list[FinalFit]:
     """Fit every frame of a path for good.
 
     Parameters
@@ -116,7 +116,7 @@ def settle_all(
 
     Returns
     -------
-    list of Settled
+    list of FinalFit
         One a frame.
     """
     if not found:
@@ -138,7 +138,7 @@ def settle_all(
         own = [fitted.get(t, one) for t, one in enumerate(own)]
         motions = _learnt(fitter, own, motions, stretches)
     others = _from_others(fitter, own, motions, stretches)
-    return on_threads(lambda t: _settled(fitter, own[t], others.pull(fitter, t)), range(len(own)))
+    return on_threads(lambda t: _final_fit(fitter, own[t], others.pull(fitter, t)), range(len(own)))
 
 
 def _fit_alone(
@@ -232,12 +232,12 @@ def _fit_again(
     return _own_near(fitter, pose, image_evidence, anatomy)
 
 
-def _settled(fitter: FrameFitter, own: _Own, pull: FloatArray) -> Settled:
+def _final_fit(fitter: FrameFitter, own: _Own, pull: FloatArray) -> FinalFit:
     """Return a frame's last fit with its uncertainty, by its picture and all others."""
     covariance = np.linalg.inv(own.precision + pull)
     places = np.full((*fitter.layout.radius.shape, 2), np.nan)
     place_sds(fitter.layout, own.pose, covariance, np.zeros_like(places), places)
-    return Settled(
+    return FinalFit(
         pose=own.pose,
         sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
         places_sd=np.hypot(places, SEQUENCE.model_sd * fitter.blur),

@@ -1,4 +1,4 @@
-"""The first fit: from a pose that a person put roughly on the animal to its exact pose and look."""
+"""The first fit: from a pose that a person put roughly on the animal to pose and appearance."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.candidates.candidate_kernels import paint_base
-from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_candidate
 from pawnb.core.pose.fit.candidates.leg_candidates import (
     fit_leg,
     limb_candidates,
@@ -271,7 +271,7 @@ def _choose(
     prior: Prior,
 ) -> FloatArray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
-    choices = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
+    candidates = only_candidate(fitter, frame, pose, image=crop[0], box=crop[1])
 
     def places(leg: int) -> list[np.ndarray]:
         numbers = fitter.index.numbers[leg]
@@ -288,15 +288,17 @@ def _choose(
         return found
 
     extra = dict(enumerate(on_threads(places, range(len(fitter.index.numbers)))))
-    choices = with_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=prior)
-    if not choices.is_open:
+    candidates = with_candidates(
+        fitter, candidates, extra, image_evidence=image_evidence, prior=prior
+    )
+    if not candidates.is_open:
         return pose
     best, which = pose.copy(), dict.fromkeys(range(len(fitter.index.numbers)), 0)
     for legs in fitter.index.sides:
         others = {leg: k for leg, k in which.items() if leg not in legs}
-        energy = side_energy(choices, legs, fitter.settings.evidence_share, others=others)
+        energy = side_energy(candidates, legs, fitter.settings.evidence_share, others=others)
         state = np.unravel_index(int(np.argmin(energy)), energy.shape)
         which.update(zip(legs, map(int, state), strict=True))
     for leg, k in which.items():
-        best[fitter.index.numbers[leg]] = choices.legs[leg][k]
+        best[fitter.index.numbers[leg]] = candidates.legs[leg][k]
     return best

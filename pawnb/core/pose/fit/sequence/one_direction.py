@@ -14,7 +14,7 @@ import numpy as np
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.frame_checkpoint import KeptFrames, Record
 from pawnb.core.parallel import Threads
-from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_choice, recalled
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_candidate, recalled
 from pawnb.core.pose.fit.candidates.leg_candidates import (
     fit_leg,
     limb_candidates,
@@ -147,12 +147,12 @@ class Follower:
         FollowState
             As if it had been fitted.
         """
-        image = self.fitter.evidence.pixels(frame, tuple(record["choices"]["box"]))
-        choices = recalled(self.fitter, frame.index, record["choices"], image=image)
+        image = self.fitter.evidence.pixels(frame, tuple(record["candidates"]["box"]))
+        candidates = recalled(self.fitter, frame.index, record["candidates"], image=image)
         trellises = state.trellises
         if self.fitter.settings.choose_path:
-            trellises = self._extended(state, choices)
-        return state.recalled(record, choices, trellises)
+            trellises = self._extended(state, candidates)
+        return state.recalled(record, candidates, trellises)
 
     def advance(self, state: FollowState, frame: Frame) -> FollowState | None:
         """Return the state after the next frame; None where the animal is no longer there."""
@@ -168,16 +168,16 @@ class Follower:
         is_lost = body_support(fitter, pose, image_evidence) < SEQUENCE.body_lost
         if is_lost and state.lost >= SEQUENCE.lost_frames:
             return None
-        choices = only_choice(fitter, frame.index, pose, image=image, box=box)
+        candidates = only_candidate(fitter, frame.index, pose, image=image, box=box)
         if fitter.settings.choose_path:
-            doubted, usual = self._doubted(state, choices, image_evidence, anatomy)
-            choices = self._with_rivals(state, choices, doubted, image_evidence, anatomy)
-            trellises = self._extended(state, choices)
-            choices, pose = self._decided(choices, trellises, image_evidence, prior)
+            doubted, usual = self._doubted(state, candidates, image_evidence, anatomy)
+            candidates = self._with_rivals(state, candidates, doubted, image_evidence, anatomy)
+            trellises = self._extended(state, candidates)
+            candidates, pose = self._decided(candidates, trellises, image_evidence, prior)
             state = replace(state, usual=usual, trellises=trellises)
             state = self._with_jump(state, expected, pose)
         state = replace(state, lost=state.lost + 1 if is_lost else 0)
-        return self._moved_on(state, choices, pose)
+        return self._moved_on(state, candidates, pose)
 
     def _observed(
         self, frame: Frame, expected: FloatArray
@@ -192,13 +192,13 @@ class Follower:
     def _with_rivals(
         self,
         before: FollowState,
-        choices: LegCandidates,
+        candidates: LegCandidates,
         doubted: BoolArray,
         image_evidence: ImageEvidence,
         anatomy: Prior,
     ) -> LegCandidates:
         """Return a frame with candidates of doubted legs, and with those of the frame before."""
-        fitter, pose = self.fitter, choices.pose
+        fitter, pose = self.fitter, candidates.pose
 
         def search(leg: int) -> list[np.ndarray]:
             known = before.last[-1].alternatives[leg] if before.last else ()
@@ -220,26 +220,28 @@ class Follower:
         found = dict(zip(order, self.threads.map(search, order), strict=True))
         extra = {leg: found[leg] for leg in sorted(found) if found[leg]}
         if not extra:
-            return choices
-        return with_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=anatomy)
+            return candidates
+        return with_candidates(
+            fitter, candidates, extra, image_evidence=image_evidence, prior=anatomy
+        )
 
     def _doubted(
         self,
         before: FollowState,
-        choices: LegCandidates,
+        candidates: LegCandidates,
         image_evidence: ImageEvidence,
         anatomy: Prior,
     ) -> tuple[BoolArray, FloatArray]:
         """Return which legs may be elsewhere, and how much is usually left over."""
         fitter = self.fitter
-        support = leg_supports(fitter, choices.pose, image_evidence)
+        support = leg_supports(fitter, candidates.pose, image_evidence)
         doubted = ~((support[:, 0] >= SEQUENCE.leg_lost) & (support[:, 1] >= SEQUENCE.tip_lost))
         doubted |= before.n_frames < SEQUENCE.first_frames
-        left_over = count_unexplained(fitter, choices.pose, image_evidence)
+        left_over = count_unexplained(fitter, candidates.pose, image_evidence)
         usual = np.minimum(before.usual * SEQUENCE.usual_grows + 1.0, left_over)
         on_right = (fitter.layout.side > 0).astype(int)
         doubted |= (left_over > usual + SEQUENCE.unexplained_share * fitter.leg_area)[on_right]
-        joints = [j[0] for j in choices.joints]
+        joints = [j[0] for j in candidates.joints]
         for legs in fitter.index.sides:
             for a, b in itertools.pairwise(legs):
                 gap = np.hypot(*(joints[a] - joints[b]).T)
@@ -247,39 +249,41 @@ class Follower:
                 if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
                     doubted[[a, b]] = True
         for leg, numbers in enumerate(fitter.index.numbers):
-            if prior_cost(choices.pose, anatomy, numbers) > SEQUENCE.one_direction_unlikely:
+            if prior_cost(candidates.pose, anatomy, numbers) > SEQUENCE.one_direction_unlikely:
                 doubted[leg] = True
         return doubted, usual
 
-    def _extended(self, before: FollowState, choices: LegCandidates) -> tuple[ViterbiTrellis, ...]:
+    def _extended(
+        self, before: FollowState, candidates: LegCandidates
+    ) -> tuple[ViterbiTrellis, ...]:
         """Return the paths of each side to a frame, the second by the best of the first."""
         share = self.fitter.settings.evidence_share
-        out, which = [], dict.fromkeys(range(len(choices.legs)), 0)
+        out, which = [], dict.fromkeys(range(len(candidates.legs)), 0)
         for legs, trellis in zip(self.fitter.index.sides, before.trellises, strict=True):
             others = {leg: k for leg, k in which.items() if leg not in legs}
-            energy = side_energy(choices, legs, share, others=others)
-            joints = tuple(choices.joints[leg] for leg in legs)
+            energy = side_energy(candidates, legs, share, others=others)
+            joints = tuple(candidates.joints[leg] for leg in legs)
             out.append(extend_trellis(trellis, energy, joints, jump_px=before.jump_px))
             which.update(zip(legs, out[-1].best(), strict=True))
         return tuple(out)
 
     def _decided(
         self,
-        choices: LegCandidates,
+        candidates: LegCandidates,
         trellises: tuple[ViterbiTrellis, ...],
         image_evidence: ImageEvidence,
         prior: Prior,
     ) -> tuple[LegCandidates, FloatArray]:
         """Return the frame with its rivals, and the pose that is best by what is known so far."""
-        fitter, pose = self.fitter, choices.pose.copy()
+        fitter, pose = self.fitter, candidates.pose.copy()
         changed, rivals = False, {}
         for legs, trellis in zip(fitter.index.sides, trellises, strict=True):
             for leg, which, cost in zip(legs, trellis.best(), trellis.marginals(), strict=True):
                 near = cost < cost[which] + SEQUENCE.one_direction_rival
                 near[which] = False
-                rivals[leg] = choices.legs[leg][near]
+                rivals[leg] = candidates.legs[leg][near]
                 if which:
-                    pose[fitter.index.numbers[leg]] = choices.legs[leg][which]
+                    pose[fitter.index.numbers[leg]] = candidates.legs[leg][which]
                     changed = True
         if changed:
             sd = np.full(fitter.index.n, np.inf)
@@ -287,7 +291,7 @@ class Follower:
             pose, _ = fitter.fit(
                 pose, image_evidence, about(prior, pose, sd), rounds=SEQUENCE.rounds_decided
             )
-        return choices.with_alternatives(rivals), pose
+        return candidates.with_alternatives(rivals), pose
 
     def _with_jump(self, state: FollowState, expected: FloatArray, pose: FloatArray) -> FollowState:
         """Let legs jump as far as they are seen to stray from their expected places."""
@@ -299,7 +303,7 @@ class Follower:
         return replace(state, astray=astray, jump_px=max(fitter.settings.jump_px, usual))
 
     def _moved_on(
-        self, state: FollowState, choices: LegCandidates, pose: FloatArray
+        self, state: FollowState, candidates: LegCandidates, pose: FloatArray
     ) -> FollowState:
         """Return the state after a frame with a pose, and how that moves."""
         fitter, lengths = self.fitter, self.fitter.index.lengths
@@ -313,5 +317,5 @@ class Follower:
         middle = state.middle + SEQUENCE.learn_length * (pose[lengths] - state.middle)
         return replace(
             state, pose=pose, velocity=SEQUENCE.keep_velocity * moved, middle=middle,
-            last=(choices,), n_frames=state.n_frames + 1,
+            last=(candidates,), n_frames=state.n_frames + 1,
         )  # fmt: skip

@@ -25,8 +25,8 @@ class SequenceParameters:
     final_fit_rounds : int
         Steps of each of these fits: they begin close to their end. Set by hand.
     final_fit_first_rounds, final_fit_enough : int or float
-        Most steps of the first of these fits, in which the animal's look is new, and what its cost
-        must fall by in a step to go on. Set by hand.
+        Most steps of the first of these fits, in which the animal's appearance is new, and what
+        its cost must fall by in a step to go on. Set by hand.
     alike_px : float
         Errors of pixels nearer than this go together: so many pixels count as one in each
         direction. Set by hand, on rendered spiders.

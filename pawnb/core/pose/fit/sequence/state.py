@@ -88,12 +88,12 @@ class FollowState:
     def record(self) -> dict[str, Any]:
         """Return all but paths and picture, as plain values and arrays."""
         state = {name: getattr(self, name) for name in _RECORDED} | {"astray": list(self.astray)}
-        return {"choices": self.last[-1].record(), "state": state}
+        return {"candidates": self.last[-1].record(), "state": state}
 
     def recalled(
         self,
         record: Record,
-        choices: LegCandidates,
+        candidates: LegCandidates,
         trellises: tuple[ViterbiTrellis | None, ...],
     ) -> FollowState:
         """Return the state after the next frame, of which :meth:`record` made the record.
@@ -102,7 +102,7 @@ class FollowState:
         ----------
         record : mapping
             What was kept.
-        choices : LegCandidates
+        candidates : LegCandidates
             The frame.
         trellises : tuple of (ViterbiTrellis or None)
             The paths to it.
@@ -115,7 +115,7 @@ class FollowState:
         known: dict[str, Any] = {name: record["state"][name] for name in _RECORDED}
         known["astray"] = tuple(known["astray"])
         return replace(
-            self, **known, last=(choices,), trellises=trellises, n_frames=self.n_frames + 1
+            self, **known, last=(candidates,), trellises=trellises, n_frames=self.n_frames + 1
         )
 
 

@@ -9,7 +9,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from painted_walk import painted_walk
 
-from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_candidate
 from pawnb.core.pose.fit.candidates.leg_candidates import with_candidates
 from pawnb.core.pose.fit.candidates.weighing import side_energy
 from pawnb.core.pose.fit.layout import leg_numbers
@@ -44,12 +44,16 @@ def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen,
     odd[n + 2 : n + 4] += [-0.22, 0.22]
     elsewhere = pose.copy()
     elsewhere[numbers[0]] += 0.6
-    choices = only_choice(fitter, 0, elsewhere, image=image, box=box)
+    candidates = only_candidate(fitter, 0, elsewhere, image=image, box=box)
     for offered in [true, odd] if true_one_first else [odd, true]:
-        choices = with_candidates(
-            fitter, choices, {LEG: [offered]}, image_evidence=image_evidence, prior=fitter.anatomy
+        candidates = with_candidates(
+            fitter,
+            candidates,
+            {LEG: [offered]},
+            image_evidence=image_evidence,
+            prior=fitter.anatomy,
         )
-    np.testing.assert_array_equal(choices.legs[LEG], [elsewhere[numbers], true])
+    np.testing.assert_array_equal(candidates.legs[LEG], [elsewhere[numbers], true])
 
 
 def test_a_leg_gains_nothing_on_the_limb_of_one_of_the_other_side(seen):
@@ -59,15 +63,15 @@ def test_a_leg_gains_nothing_on_the_limb_of_one_of_the_other_side(seen):
     across = joints[right].copy()
     across[0] = joints[left, 0]
     on_other = leg_numbers(fitter.layout, left, across, heading=float(pose[2]))
-    alone = only_choice(fitter, 0, pose, image=image, box=box)
-    choices = with_candidates(
+    alone = only_candidate(fitter, 0, pose, image=image, box=box)
+    candidates = with_candidates(
         fitter, alone, {left: [on_other]}, image_evidence=image_evidence, prior=fitter.anatomy
     )
     assert not alone.is_open  # the frame given is not changed
-    assert choices.is_open
-    unaware = side_energy(choices, [left], 1.0, others={})
-    aware = side_energy(choices, [left], 1.0, others={right: 0})
+    assert candidates.is_open
+    unaware = side_energy(candidates, [left], 1.0, others={})
+    aware = side_energy(candidates, [left], 1.0, others={right: 0})
     np.testing.assert_allclose(aware[0], unaware[0], atol=1.0)  # its own limb is its own
-    gained = choices.worth[left][1]
-    assert gained < 0.4 * choices.worth[right].min() < 0.0
+    gained = candidates.worth[left][1]
+    assert gained < 0.4 * candidates.worth[right].min() < 0.0
     assert aware[1] - unaware[1] > 0.8 * abs(gained)

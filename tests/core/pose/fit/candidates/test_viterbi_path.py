@@ -49,7 +49,7 @@ def expected(monkeypatch):
 def added(monkeypatch):
     """Let frames become the candidates that are added to them."""
 
-    def add(_fitter, choices, extra, **_):
+    def add(_fitter, candidates, extra, **_):
         return {leg: [float(x[0]) for x in poses] for leg, poses in extra.items()}
 
     monkeypatch.setattr(viterbi_path, "with_candidates", add)
@@ -87,11 +87,11 @@ def test_a_lost_leg_is_followed_back_until_it_is_known(monkeypatch):
         looked.append(leg)
         return np.array([8.0])
 
-    def add(_fitter, choices, extra, **_):
-        if choices.frame == 1:
-            return choices
-        legs = (choices.legs[0], (*choices.legs[1], extra[1][0]))
-        return SimpleNamespace(**vars(choices) | {"legs": legs})
+    def add(_fitter, candidates, extra, **_):
+        if candidates.frame == 1:
+            return candidates
+        legs = (candidates.legs[0], (*candidates.legs[1], extra[1][0]))
+        return SimpleNamespace(**vars(candidates) | {"legs": legs})
 
     monkeypatch.setattr(viterbi_path, "fit_leg", fit_leg)
     monkeypatch.setattr(viterbi_path, "with_candidates", add)

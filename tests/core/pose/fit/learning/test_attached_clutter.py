@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from painted_walk import PaintedReader, painted_walk, walking_poses
 
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_candidate
 from pawnb.core.pose.fit.layout import pose_vectors
 from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
 from pawnb.core.pose.fit.learning.clutter import Clutter
@@ -61,7 +61,7 @@ def walk(poses=None, *, winged):
     found = []
     for t, pose in enumerate(vectors):
         _, image, box = observe(fitter, reader.frame(t), pose)
-        found.append(only_choice(fitter, t, pose, image=image, box=box))
+        found.append(only_candidate(fitter, t, pose, image=image, box=box))
     return fitter, found, vectors
 
 

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pawnb.core.pose.fit.rendering.evidence import Evidence, reduced, without_wide
+from pawnb.core.pose.fit.rendering.evidence import make_evidence, reduced, without_wide
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
 
@@ -28,7 +28,7 @@ def test_a_shadow_leaves_darkness_as_it_is():
     u = np.arange(200.0)
     for light in (np.ones((200, 200)), np.tile(0.8 - 0.25 * u / 200, (200, 1))):
         background, image, covered, disc = scene(light)
-        evidence = Evidence(background, factor=1, light=0.0, spread=0.1)
+        evidence = make_evidence(background, factor=1, light=0.0, spread=0.1)
         image_evidence = evidence.image_evidence(image, BOX, covered)
         assert abs(np.median(image_evidence.seen[disc]) - 0.7) < 0.03
         assert np.abs(image_evidence.seen[~disc]).max() < 0.1
@@ -38,7 +38,7 @@ def test_light_animals_count_as_dark():
     background, _, covered, disc = scene(np.ones((200, 200)))
     image = np.where(disc, 250.0, background.mean[2:202, 2:202] * 0.5)
     background.mean = background.mean * 0.5
-    evidence = Evidence(background, factor=1, light=250.0, spread=0.1)
+    evidence = make_evidence(background, factor=1, light=250.0, spread=0.1)
     image_evidence = evidence.image_evidence(image, BOX, covered)
     assert abs(np.median(image_evidence.seen[disc]) - 1.0) < 0.03
     assert np.abs(image_evidence.seen[~disc]).max() < 0.05
@@ -46,7 +46,7 @@ def test_light_animals_count_as_dark():
 
 def test_crop_stays_inside_the_picture_and_reduction_is_the_mean_of_squares():
     background = SimpleNamespace(mean=np.arange(24.0).reshape(4, 6), sd=np.ones((4, 6)))
-    evidence = Evidence(background, factor=2, light=0.0, spread=0.1)
+    evidence = make_evidence(background, factor=2, light=0.0, spread=0.1)
     np.testing.assert_array_equal(evidence.mean, [[3.5, 5.5, 7.5], [15.5, 17.5, 19.5]])
     np.testing.assert_allclose(evidence.sd, 0.5)
     assert evidence.crop_box(np.array([0.0, 50.0]), 4.0) == (0, 0, 3, 2)

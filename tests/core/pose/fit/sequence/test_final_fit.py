@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from painted_walk import PX_PER_MM, painted_walk
 
-from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_candidate
 from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.observation import crop_box
-from pawnb.core.pose.fit.rendering.evidence import Evidence
+from pawnb.core.pose.fit.rendering.evidence import make_evidence
 from pawnb.core.pose.fit.sequence import final_fit
-from pawnb.core.pose.fit.sequence.final_fit import settle_all
+from pawnb.core.pose.fit.sequence.final_fit import fit_all_frames
 from pawnb.core.pose.fit.settings import PoseSettings
 
 LEG, OTHER = 1, 2
@@ -39,7 +39,7 @@ def scene():
     _, _, reader, background = painted_walk(22, poses=poses)
     vectors = pose_vectors(animal, poses)
     settings = PoseSettings()
-    evidence = Evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd)
+    evidence = make_evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd)
     fitter = make_fitter(
         animal,
         make_layout(animal, px_per_unit=PX_PER_MM, dark=0.75),
@@ -51,7 +51,7 @@ def scene():
     for i, vector in enumerate(vectors):
         box = crop_box(fitter, vector)
         image = evidence.pixels(reader.frame(i), box)
-        found.append(only_choice(fitter, i, vector, image=image, box=box))
+        found.append(only_candidate(fitter, i, vector, image=image, box=box))
     return fitter, vectors, found
 
 
@@ -70,28 +70,28 @@ def test_a_leg_laid_along_a_longer_one_comes_back(scene):
         path[t, fitter.index.numbers[LEG][0]] -= fitter.layout.side[LEG] * turn
     before = np.hypot(*(tips(fitter, path) - tips(fitter, true))[MET, LEG].T)
     assert before.min() > 8.0
-    settled = settle_all(fitter, found, path)
-    away = tips(fitter, [s.pose for s in settled]) - tips(fitter, true)
+    final_fits = fit_all_frames(fitter, found, path)
+    away = tips(fitter, [s.pose for s in final_fits]) - tips(fitter, true)
     assert np.hypot(*away[MET, LEG].T).max() < 3.0
     # all others stay where they are seen
     assert np.median(np.hypot(*away[2:-2].T)) < 0.3
     assert np.hypot(*away[2:-2, OTHER].T).max() < 2.0
     # and it is said that the end under the other leg is less sure
-    sd = np.array([np.hypot(*s.places_sd[LEG, -1]) for s in settled])
+    sd = np.array([np.hypot(*s.places_sd[LEG, -1]) for s in final_fits])
     assert sd[MET].max() > 1.05 * np.median(sd)
 
 
 def test_frames_apart_do_not_touch_each_other(scene):
     fitter, true, found = scene
-    one = settle_all(fitter, found[:8], true[:8])
-    both = settle_all(fitter, found[:8] + found[14:], np.concatenate([true[:8], true[14:]]))
+    one = fit_all_frames(fitter, found[:8], true[:8])
+    both = fit_all_frames(fitter, found[:8] + found[14:], np.concatenate([true[:8], true[14:]]))
     assert len(both) == 16
     # the learnt motion alone differs
     np.testing.assert_allclose([s.pose for s in both[:8]], [s.pose for s in one], atol=0.1)
 
 
 def test_nothing_to_settle(scene):
-    assert settle_all(scene[0], [], np.empty((0, scene[0].index.n))) == []
+    assert fit_all_frames(scene[0], [], np.empty((0, scene[0].index.n))) == []
 
 
 def test_what_a_frame_would_gain_is_that_of_two_parabolas(monkeypatch):

@@ -13,7 +13,7 @@ from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart
 from pawnb.core.pose.fit.fitter import make_fitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
-from pawnb.core.pose.fit.rendering.evidence import Evidence
+from pawnb.core.pose.fit.rendering.evidence import make_evidence
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain, make_canvas, paint
 from pawnb.core.pose.fit.sequence import first_frame
@@ -46,7 +46,7 @@ def test_a_small_body_is_not_turned_onto_its_legs():
     settings = PoseSettings()
     fitter = make_fitter(
         animal, layout,
-        evidence=Evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd),
+        evidence=make_evidence(background, factor=1, light=0.0, spread=settings.unexplained_sd),
         anatomy=anatomy(animal, true, foreshortening_sd=settings.foreshortening_sd),
         settings=settings,
     )  # fmt: skip
@@ -111,7 +111,7 @@ def test_a_leg_that_stops_short_of_a_bent_end_is_slid_out_to_it():
     fitter = make_fitter(
         animal,
         layout,
-        evidence=Evidence(background, factor=1, light=0.0, spread=0.12),
+        evidence=make_evidence(background, factor=1, light=0.0, spread=0.12),
         anatomy=anatomy(animal, pose, foreshortening_sd=0.12),
         settings=settings,
     )
