@@ -42,6 +42,10 @@ def scored(tmp_path):
         (["trak", "x"], "(did you mean 'track'?)"),
         (["gait", "x", "--figures", "mian"], "(did you mean 'main'?)"),
         (["gait", "x", "--figure-names", "x"], "unrecognized"),
+        (
+            ["check", "x", "--jsn"],
+            "pawnb check: unrecognized arguments: --jsn (did you mean '--json'?)",
+        ),
         (["completion", "bsh"], "(did you mean 'bash'?)"),
     ],
 )

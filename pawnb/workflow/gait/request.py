@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -65,14 +65,14 @@ class TakenOver:
         Corrections of events that were in force; others are left alone.
     command : str or None
         The command line on record.
-    only : str, optional
-        Name of the one figure to draw; None draws those of the request.
+    only : collection of str, optional
+        Names of the figures to draw; None draws those of the request.
     """
 
     labels: Mapping[Path, str] = field(default_factory=dict)
     edits: tuple[Path, ...] = ()
     command: str | None = None
-    only: str | None = None
+    only: Collection[str] | None = None
 
 
 def record_of(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -31,7 +31,7 @@ def save_gait_figures(
     *,
     record: Mapping[str, Any],
     which: Which = "all",
-    only: str | None = None,
+    only: Collection[str] | None = None,
 ) -> list[Path]:
     """Draw figures; save each with the table it draws.
 
@@ -49,8 +49,8 @@ def save_gait_figures(
         Provenance that goes into the metadata of each file.
     which : {"all", "main", "none"}
         All of them, gait diagrams and phase roses only, or none.
-    only : str, optional
-        Name of the one figure to draw, of those.
+    only : collection of str, optional
+        Names of the figures to draw, of those.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def save_gait_figures(
         # two trials may differ in signs only that no file name has
         name = distinct_name(drawing.name, taken)
         taken.add(name.casefold())
-        if only not in (None, name):
+        if only is not None and name not in only:
             continue
         with figures.style():
             try:

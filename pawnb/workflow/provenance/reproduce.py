@@ -125,15 +125,23 @@ def reproduce_all(
     InputError
         As for :func:`reproduce`, before anything is made again.
     """
-    together: dict[str, list[tuple[Path, Recipe]]] = {}
+    together: dict[tuple[str, str], list[tuple[Path, Recipe]]] = {}
+    tables: dict[str, list[tuple[Path, Recipe]]] = {}
     for path in map(Path, paths):
         recipe = read_recipe(path)
         if recipe.kind not in _MAKERS:
             raise InputError(
                 f"{path}: made by {recipe.kind!r}, which this version cannot do again."
             )
-        key = json.dumps([recipe.step, recipe.style], sort_keys=True)
-        together.setdefault(key, []).append((path, recipe))
+        step, style = (json.dumps(own, sort_keys=True) for own in (recipe.step, recipe.style))
+        if path.suffix.lower() in FIGURE_ENDINGS:
+            together.setdefault((step, style), []).append((path, recipe))
+        else:
+            tables.setdefault(step, []).append((path, recipe))
+    # a table has no style: it is made with figures of its run, where there are any
+    for step, own_tables in tables.items():
+        key = next((key for key in together if key[0] == step), (step, ""))
+        together.setdefault(key, []).extend(own_tables)
     found = {path: one for same in together.values() for path, one in _make(same, inputs).items()}
     return [found[Path(path)] for path in paths]
 
@@ -212,14 +220,15 @@ def _make_gait(task: _Task) -> None:
     # notes hold the warnings of all that was drawn, and the index shows it
     if not figures_of and not {"notes.csv", INDEX_FILE} & set(task.names):
         asked["figures"] = "none"
-    alone = len(task.names) == 1 and figures_of and Path(task.names[0]).name != "not_drawn.csv"
+    drawn = {Path(name).stem for name in figures_of}
+    every = {"notes.csv", INDEX_FILE, "figures/not_drawn.csv"} & set(task.names)
     given = [found[label] for label in step["given"]]
     request = GaitRequest(inputs=given, settings=settings, **asked)
     again = TakenOver(
         labels={file: label for label, file in found.items()},
         edits=tuple(found[label] for label in step["edits"]),
         command=step["command"],
-        only=Path(task.names[0]).stem if alone else None,
+        only=None if every else drawn,
     )
     carry_out(request, out=task.out, again=again)
 

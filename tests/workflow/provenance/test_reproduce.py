@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 import pawnb
-from pawnb import synthetic
+from pawnb import figures, synthetic
 from pawnb.cli import main
 from pawnb.core.edits.log import EditLog
 from pawnb.core.edits.records import Move
@@ -38,17 +38,26 @@ from pawnb.workflow.tracking.trial_views import trial_rig
 FPS = 200.0
 
 
-def trotting(trial: str, animal: str, *, lag: float = 0.5) -> object:
-    """Two seconds at five strides a second on a belt, left and right half a stride apart."""
+def trotting(trial: str, animal: str, *, lag: float = 0.5, seen: bool = False) -> object:
+    """Two seconds at five strides a second on a belt, left and right half a stride apart.
+
+    ``seen``: hind legs, too, and a camera from the side, 4 px a mm.
+    """
     frames = np.arange(400)
-    tracks = make_tracks(frames, ("FR", "FL"), fps=FPS, individual=animal, unit="mm")
-    for k, shift in enumerate((0.0, lag)):
+    lags = {"FR": 0.0, "FL": lag} | ({"HR": lag, "HL": 0.0} if seen else {})
+    tracks = make_tracks(frames, tuple(lags), fps=FPS, individual=animal, unit="mm",
+                         views=["right"] if seen else ())  # fmt: skip
+    for k, shift in enumerate(lags.values()):
         phase = (frames / FPS * 5.0 - shift) % 1.0
         swing = np.clip((phase - 0.6) / 0.4, 0, 1)
         back, forth = 30.0 * (0.5 - phase / 0.6), -15.0 * np.cos(np.pi * swing)
         tracks["position"][:, 0, k, 0] = np.where(phase < 0.6, back, forth)
         tracks["position"][:, 1, k, 0] = 10.0 * k
         tracks["position"][:, 2, k, 0] = np.where(phase < 0.6, 0, 8 * np.sin(np.pi * swing))
+    if seen:
+        tracks["image_position"].data[:, 0, 0] = 300.0 + 4.0 * tracks["position"].data[:, 0]
+        tracks["image_position"].data[:, 0, 1] = 200.0 - 4.0 * tracks["position"].data[:, 2]
+        tracks["image_origin"][:] = ORIGIN_CODE["measured"]
     tracks["origin"][:] = ORIGIN_CODE["measured"]
     tracks["confidence"][:] = 1.0
     described = Trial(
@@ -190,7 +199,7 @@ def _in_another_process(files, tmp_path, *options):
 
 @pytest.mark.slow
 def test_every_figure_of_a_run_is_identical_elsewhere_and_in_another_process(tmp_path):
-    """A study of spiders with joints and paths in space, sizes, two groups, other species."""
+    """Spiders with joints and paths in space, sizes, two groups, other species; and a mouse."""
     made = synthetic.simulate_spider_study(animals=3, trials=1, seed=3)
     study = ["[[species]]", 'file = "others.csv"', 'name = "own"', 'group = "Lycosidae"']
     for animal, group in zip(made.animals.itertuples(), ("a", "a", "b"), strict=True):
@@ -206,7 +215,12 @@ def test_every_figure_of_a_run_is_identical_elsewhere_and_in_another_process(tmp
     (tmp_path / "study" / "others.csv").write_text(table)
     (tmp_path / "study" / "study.toml").write_text("\n".join(study))
     out = tmp_path / "study" / "gait"
-    run_gait(tmp_path / "study" / "study.toml", out=out)
+    mouse = tmp_path / "study" / "mouse" / "results"
+    mouse.mkdir(parents=True)
+    write_tracks(trotting("t1", "m1", seen=True), mouse / "tracks.nc")
+    with figures.style(dpi=60):  # a seventh of the time
+        run_gait(tmp_path / "study" / "study.toml", out=out)
+        run_gait(mouse)
     moved = shutil.move(tmp_path / "study", tmp_path / "moved")
     files = sorted((Path(moved) / "gait" / "figures").iterdir())
     kinds = {read_recipe(f).step["step"] for f in files if f.suffix != ".csv"}
@@ -218,10 +232,13 @@ def test_every_figure_of_a_run_is_identical_elsewhere_and_in_another_process(tmp
         "against_body_length_mm",
         "estimation_speed",
     }
-    done = _in_another_process([Path(moved) / "gait"], tmp_path)
+    of_mouse = Path(moved) / "mouse" / "results" / "figures"
+    paws = [of_mouse / f"{name}.{ending}" for name in ("hildebrand_diagram", "template_fit_m1_t1")
+            for ending in ("png", "svg", "pdf", "csv")]  # fmt: skip
+    done = _in_another_process([Path(moved) / "gait", *paws], tmp_path)
     assert [line for line in done.stdout.splitlines() if "differs" in line] == []
     listed = {line.removesuffix(": identical") for line in done.stdout.splitlines()}
-    assert listed >= {str(file) for file in files}
+    assert listed >= {str(file) for file in (*files, *paws)}
     assert len(files) > 40
     number = len(done.stdout.splitlines()) - 1
     assert done.stdout.splitlines()[-1] == f"{number} of {number} identical"

@@ -26,7 +26,7 @@ class QualityParameters:
         said in vain costs more than a look.
     view_surest : float
         Guard: no view is surer than this, or less sure than the rest of it, when calibrated views
-        are put together.
+        are put together. Set by hand.
     click_sd, astray_sd : float
         Standard deviations of labels that are right, and of those that are astray, in extents. Set
         by hand.
