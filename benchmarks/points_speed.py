@@ -207,13 +207,13 @@ def main() -> None:
             folder, frames=options.frames, scale=options.scale, variants=("grey",)
         )
         measured = measure(load_trial(path), options.frames, options.again, options.evidence)
-    if options.out:
         given = f"--trial {options.trial}" if options.trial else f"--scale {options.scale:g}"
         given = f"--clip {options.clip}" if options.clip else given
         if options.evidence != "learnt":
             given += f" --evidence {options.evidence}"
         command = f"python benchmarks/points_speed.py --frames {options.frames} {given}"
-        put_into(options.out, measured.row(command))
+        if options.out:
+            put_into(options.out, measured.row(command))
 
 
 if __name__ == "__main__":
