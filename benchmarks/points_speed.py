@@ -5,6 +5,7 @@ Run it from the project's root:
     python benchmarks/points_speed.py --frames 300 --scale 1      # four grey views of 2048 x 700
     python benchmarks/points_speed.py --clip mouse_below_grey     # of the real clips
     python benchmarks/points_speed.py --trial my/trial.toml
+    python benchmarks/points_speed.py --evidence strides          # calibrated views, strides known
     python benchmarks/points_speed.py --out docs/accuracy/speed.csv    # and put it into this table
 
 *all kinds* is the whole of a first run with motion, appearance and correlation, against decoding
@@ -14,7 +15,8 @@ point that was put in place by hand, ``--again`` frames before its next click. *
 ``marks.csv`` beside the trial in the marked frame that is nearest, else where the first run put the
 points, which is enough to take time. Both find pictures and flow kept in the session, and go on
 from what the run before has learnt, where these pictures serve for the new clicks; *read anew* is
-said where they do not.
+said where they do not. By colour and strides all frames are decided upon again, but none is
+decoded; a click that is added there is a first run.
 
 The clock tells what a person waits for; where other programs run, processor time tells more.
 """
@@ -46,7 +48,11 @@ from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.tracking.placed import clicks_of_frame
 from pawnb.workflow.tracking.track import retrack, track
 
-LEARNT = {"evidence": "learnt"}
+FOUND_BY = {
+    "learnt": "what is learnt in the recording",
+    "strides": "strides and a look that is learnt",
+    "colour": "their colour, strides and stance",
+}
 
 
 class Took(NamedTuple):
@@ -75,9 +81,10 @@ class Measured(NamedTuple):
 
     trial: Trial
     frames: int
+    evidence: str
     decoding_ms: float
     run_ms: float
-    added: Took
+    added: Took | None
     gone_on: bool
     again: Took
     frames_again: int
@@ -94,15 +101,18 @@ class Measured(NamedTuple):
         n, anew = len(self.trial.views), "" if self.gone_on else " (pictures were read anew)"
         what = (
             f"time, {n} {'view' if n == 1 else 'views'} of {', '.join(sorted(sizes))} px "
-            f"({self.trial.name}), {self.frames} frames, points found by what is learnt in the "
-            "recording (`evidence = learnt`)"
+            f"({self.trial.name}), {self.frames} frames, points found by {FOUND_BY[self.evidence]} "
+            f"(`evidence = {self.evidence}`)"
+        )
+        added = self.added and (
+            f"With a click added (`quick=True`), until points are shown: {self.added.cpu:.1f} s "
+            f"of processor time{anew}. "
         )
         result = (
             f"{self.ratio:.3g} times what decoding alone takes, by processor time "
             f"({self.run_ms:.0f} ms a frame of all views, decoding {self.decoding_ms:.1f}). "
-            f"With a click added (`quick=True`), until points are shown: {self.added.cpu:.1f} s "
-            f"of processor time{anew}. Tracked again after a correction, {self.frames_again} "
-            f"frames: {self.again.cpu:.1f} s"
+            f"{added or ''}Tracked again after a correction, {self.frames_again} "
+            f"frames: {self.again.cpu:.1f} s of processor time"
         )
         return {"what": what, "result": result, "command": f"`{command}`"}
 
@@ -119,7 +129,7 @@ def further_clicks(trial: Trial, tracks: Tracks, start: pd.DataFrame, frame: int
     return marks.loc[marks["frame"] == nearest, list(START_COLUMNS)]
 
 
-def measure(trial: Trial, n_frames: int, n_again: int) -> Measured:
+def measure(trial: Trial, n_frames: int, n_again: int, evidence: str) -> Measured:
     """Return what was measured on one trial, and print it."""
     file = trial.start_file()
     if file is None:
@@ -134,24 +144,27 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> Measured:
 
     def run(clicks: pd.DataFrame, *, quick: bool = False) -> Tracks:
         return track(
-            trial, start=clicks, frames=frames, settings=LEARNT, quick=quick, progress=quiet
-        )
+            trial, start=clicks, frames=frames, settings={"evidence": evidence}, quick=quick,
+            progress=quiet,
+        )  # fmt: skip
 
     _, decoding = timed(lambda: decode(trial, frames[1]))
     tracks, took = timed(lambda: run(start))
     print(f"{trial.name}: {len(trial.views)} views, {n} frames, clicks in frame {clicked}")
     print(f"  decoding: {1000 * decoding.clock / frames[1]:.1f} ms a frame of all views")
-    print(f"  all kinds: {took}, {took.cpu / n / (decoding.cpu / frames[1]):.1f} x decoding by "
+    print(f"  {evidence}: {took}, {took.cpu / n / (decoding.cpu / frames[1]):.1f} x decoding by "
           "processor time")  # fmt: skip
     assert tracks is not None  # noqa: S101 (what a run gives)
     corrected = min(clicked + 1, frames[1] - 2)
     after = min(corrected + n_again - 1, frames[1] - 1)
     more = pd.concat([start, further_clicks(trial, tracks, start, after)])
-    tracks, added = timed(lambda: run(more, quick=True))
-    assert tracks is not None  # noqa: S101
-    gone_on = GONE_ON_FROM in provenance_steps(tracks)[-1]
-    print(f"  a click added in frame {more['frame'].iloc[-1]}, until shown, {n} frames: {added}"
-          f"{'' if gone_on else ', read anew'}")  # fmt: skip
+    added, gone_on = None, True
+    if evidence == "learnt":
+        tracks, added = timed(lambda: run(more, quick=True))
+        assert tracks is not None  # noqa: S101
+        gone_on = GONE_ON_FROM in provenance_steps(tracks)[-1]
+        print(f"  a click added in frame {more['frame'].iloc[-1]}, until shown, {n} frames: {added}"
+              f"{'' if gone_on else ', read anew'}")  # fmt: skip
     found = clicks_of_frame(trial, tracks, corrected)
     at = found[found["point"].isin(more["point"].iloc[len(start) :])].iloc[0]
     log = EditLog(
@@ -160,11 +173,14 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> Measured:
     )  # fmt: skip
     place = {"u": float(at["u"]) + 2.0, "v": float(at["v"])}
     log.apply(Move(frame=corrected, view=at["view"], point=at["point"], **place))
-    n_again = len(range(*after_correction(log.tracks, corrected, [at["point"]]).frames))
+    if evidence == "learnt":
+        n_again = len(range(*after_correction(log.tracks, corrected, [at["point"]]).frames))
+    else:
+        n_again = n
     _, again = timed(lambda: log.apply(Retrack(frame=corrected)))
     print(f"  again after a correction, {n_again} frames: {again}")
     per_frame = 1000 * decoding.cpu / frames[1], 1000 * took.cpu / n
-    return Measured(trial, n, *per_frame, added, gone_on, again, n_again)
+    return Measured(trial, n, evidence, *per_frame, added, gone_on, again, n_again)
 
 
 def put_into(path: Path, row: dict[str, str]) -> None:
@@ -181,6 +197,7 @@ def main() -> None:
     parser.add_argument("--clip", help="a real clip to use, see real_clip_marks.py")
     parser.add_argument("--frames", type=int, default=300, help="frames to use (%(default)s)")
     parser.add_argument("--again", type=int, default=100, help="tracked again (%(default)s)")
+    parser.add_argument("--evidence", choices=FOUND_BY, default="learnt", help="%(default)s")
     parser.add_argument("--scale", type=float, default=1.0, help="of 2048 x 700 (%(default)s)")
     parser.add_argument("--out", type=Path, metavar="SPEED.csv", help="put it into this table")
     options = parser.parse_args()
@@ -189,12 +206,14 @@ def main() -> None:
         path = path or render_mouse_trial(
             folder, frames=options.frames, scale=options.scale, variants=("grey",)
         )
-        measured = measure(load_trial(path), options.frames, options.again)
-    if options.out:
+        measured = measure(load_trial(path), options.frames, options.again, options.evidence)
         given = f"--trial {options.trial}" if options.trial else f"--scale {options.scale:g}"
         given = f"--clip {options.clip}" if options.clip else given
+        if options.evidence != "learnt":
+            given += f" --evidence {options.evidence}"
         command = f"python benchmarks/points_speed.py --frames {options.frames} {given}"
-        put_into(options.out, measured.row(command))
+        if options.out:
+            put_into(options.out, measured.row(command))
 
 
 if __name__ == "__main__":

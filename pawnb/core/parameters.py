@@ -86,6 +86,12 @@ def parameters_of(stages: Sequence[str]) -> dict[str, dict[str, Any]]:
     return {stage: dataclasses.asdict(_STAGES[stage].now.get()) for stage in stages}
 
 
+def changed_in_force() -> dict[str, Any]:
+    """Return the parameters in force of the stages of which any is not the default."""
+    now = {stage: held.now.get() for stage, held in sorted(_STAGES.items())}
+    return {stage: values for stage, values in now.items() if values != _STAGES[stage].default}
+
+
 @contextlib.contextmanager
 def parameters_set(values: Mapping[str, Mapping[str, Any]]) -> Iterator[None]:
     """Set parameters of stages while the block runs, for this call and the threads it starts.

@@ -1,10 +1,12 @@
-"""Work on two threads: in order, at once, and nothing that fails is passed over."""
+"""Work on threads: in order, at once, and nothing that fails is passed over."""
 
 import threading
 
 import pytest
 
-from pawnb.core.parallel import on_threads
+from pawnb.core.parallel import in_parts, on_threads
+from pawnb.core.parameters import parameters_set
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 
 
 def test_results_come_in_the_order_of_the_items():
@@ -22,3 +24,12 @@ def test_results_come_in_the_order_of_the_items():
 def test_what_fails_is_told():
     with pytest.raises(ZeroDivisionError):
         on_threads(lambda item: 1 / item, [1, 0, 2])
+
+
+def test_parts_come_in_order_with_the_parameters_in_force():
+    with parameters_set({"learnt_detection": {"nowhere": 0.25}}):
+        found = in_parts(lambda a, b: (a, b, LEARNT.nowhere), range(11), "abcdefghijk")
+    assert found == [(i, one, 0.25) for i, one in enumerate("abcdefghijk")]
+    assert in_parts(abs, []) == []
+    with pytest.raises(ZeroDivisionError):
+        in_parts(lambda item: 1 / item, [1, 0, 2])

@@ -14,6 +14,7 @@ import pawnb
 from pawnb.core.parallel import Threads
 from pawnb.core.parameters import (
     REASONS,
+    changed_in_force,
     constants_of,
     defaults_of,
     parameters_of,
@@ -36,6 +37,7 @@ def test_values_are_in_force_within_the_block_and_in_its_threads_only():
     with Threads(1) as pool:
         with parameters_set({"stride": {"due_sd": 9.0}}):
             assert STRIDE.due_sd == 9.0
+            assert changed_in_force() == {"stride": StrideParameters(due_sd=9.0)}
             assert pool.submit(lambda: STRIDE.due_sd).result() == 9.0
             assert list(pool.map(lambda _: STRIDE.due_sd, range(2))) == [9.0, 9.0]
         assert STRIDE.due_sd == usual

@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 from scipy.ndimage import binary_dilation
 
-from pawnb.arrays import BoolArray, FloatArray, Points2D
+from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D
 from pawnb.schema import ORIGIN_CODE, Tracks
 
 TOLERANCE_PX = 2.0
@@ -96,7 +98,7 @@ def keep_rows(old: Tracks, new: Tracks, keep: BoolArray) -> Tracks:
     old : Tracks
         What there was. Frames, views and points that it lacks are left as they are new.
     new : Tracks
-        The new tracks; changed in place.
+        The new tracks.
     keep : ndarray of bool, shape (n, P)
         Which rows of which points of ``new`` are to be as in ``old``.
 
@@ -105,32 +107,38 @@ def keep_rows(old: Tracks, new: Tracks, keep: BoolArray) -> Tracks:
     Tracks
         The new tracks with the old rows.
     """
-    frames = new["frame"].to_numpy()
-    shared = np.isin(frames, old["frame"].to_numpy())
-    by_frame = old.swap_dims(time="frame")
-    source = by_frame.sel(frame=frames[shared])
+    rows = pd.Index(old["frame"].to_numpy()).get_indexer(new["frame"].to_numpy())
+    shared = rows >= 0
     keep = keep & shared[:, None]
-    for name in new.data_vars:
-        if name not in source or "keypoint" not in new[name].dims:
-            continue
-        there = [d for d in ("view", "keypoint", "space") if d in new[name].dims]
-        part = (
-            source[name]
-            .reindex({d: new[d] for d in there})
-            .fillna(0 if new[name].dtype.kind == "i" or "confidence" in str(name) else np.nan)
-            .transpose("frame", *new[name].dims[1:])
-        )
-        order = ("time", "keypoint", *(d for d in new[name].dims if d not in ("time", "keypoint")))
-        target = new[name].transpose(*order)
-        values = np.array(target.to_numpy())
-        was = part.transpose("frame", *order[1:]).to_numpy()
-        values[shared] = np.where(
-            keep[shared].reshape(*keep[shared].shape, *[1] * (was.ndim - 2)), was, values[shared]
-        )
-        new[name] = target.copy(data=values).transpose(*new[name].dims)
+    joined = {}
+    for name, own in new.data_vars.items():
+        if name in old.data_vars and "keypoint" in own.dims:
+            was = _values_in(old[name], own, rows)
+            axes = [axis for axis, d in enumerate(own.dims) if d not in ("time", "keypoint")]
+            kept = np.expand_dims(keep, axes)
+            joined[name] = own.copy(data=np.where(kept, was, own.to_numpy()).astype(own.dtype))
     time = new["time"].to_numpy().copy()
-    time[shared] = by_frame.sel(frame=frames[shared])["time"].to_numpy()
-    return new.assign_coords(time=time).assign_attrs(old.attrs)
+    time[shared] = old["time"].to_numpy()[rows[shared]]
+    return new.assign(joined).assign_coords(time=time).assign_attrs(old.attrs)
+
+
+def _values_in(old: xr.DataArray, new: xr.DataArray, rows: IntArray) -> np.ndarray:
+    """Return old values in the order of new ones, in rows of the old ones.
+
+    What the old ones lack, or say nothing of, is 0 in counts and confidences, else NaN.
+    """
+    values = old.transpose(*new.dims).to_numpy()
+    lacking = np.zeros(new.shape, bool)
+    for axis, dim in enumerate(new.dims):
+        if dim != "time" and not (dim in old.indexes and dim in new.indexes):
+            continue
+        order = rows if dim == "time" else old.indexes[dim].get_indexer(new.indexes[dim])
+        values = values.take(order, axis=axis)
+        lacking |= np.expand_dims(order < 0, [other for other in range(new.ndim) if other != axis])
+    counted = new.dtype.kind == "i" or "confidence" in str(new.name)
+    if counted and values.dtype.kind == "f":
+        lacking |= np.isnan(values)
+    return np.where(lacking, 0 if counted else np.nan, values)
 
 
 def keep_untouched(

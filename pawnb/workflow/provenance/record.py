@@ -26,6 +26,12 @@ _PACKAGES = ("pawnb", "numpy", "scipy", "pandas", "xarray", "scikit-image", "sci
 
 def package_versions() -> dict[str, str]:
     """Return the versions of Python and of the packages that shape a result."""
+    return dict(_versions())
+
+
+@functools.cache
+def _versions() -> Mapping[str, str]:
+    """Return them as a session found them first: to look for all takes 0.1 s."""
     versions = {"python": platform.python_version()}
     for name in _PACKAGES:
         try:

@@ -8,7 +8,7 @@ import pytest
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
 from pawnb.core.paws.request import TrackingRequest
-from pawnb.core.paws.retracked_span import MET_FRAMES, Stretch, keep_untouched
+from pawnb.core.paws.retracked_span import MET_FRAMES, Stretch, keep_rows, keep_untouched
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 EDITED, MEASURED = ORIGIN_CODE["edited"], ORIGIN_CODE["measured"]
@@ -125,6 +125,26 @@ def flat(paths, by_hand=()):
     for row in by_hand:
         tracks["image_origin"][row, 0, 0, 0] = EDITED
     return tracks
+
+
+def test_rows_are_taken_by_frame_and_name_from_tracks_in_another_order():
+    old = make_tracks([3, 4, 5], ["HR", "FR"], fps=100, views=["cam2", "cam1"])
+    old["image_position"].loc[{"view": "cam1", "keypoint": "FR"}] = 7.0
+    old["image_confidence"].loc[{"view": "cam1", "keypoint": "FR"}] = 0.5
+    old = old.assign_coords(time=old["time"] + 0.001)
+    new = make_tracks([4, 5, 6], ["FR", "HL"], fps=100, views=["cam1", "cam3"])
+    for name in ("image_position", "image_confidence"):
+        new[name][:] = 1.0
+    new["image_origin"][:] = MEASURED
+    kept = keep_rows(old, new, np.array([[True, True], [False, False], [True, True]]))
+    uv = kept["image_position"].isel(individual=0, image_space=0).transpose("time", "view", ...)
+    # frame 6 is not among the old ones; of HL and cam3 these say nothing
+    nothing = [[7.0, np.nan], [np.nan, np.nan]]
+    np.testing.assert_array_equal(uv, [nothing, np.ones((2, 2)), np.ones((2, 2))])
+    sure = kept["image_confidence"].isel(individual=0).transpose("time", "view", "keypoint")
+    np.testing.assert_array_equal(sure[0], [[0.5, 0.0], [0.0, 0.0]])
+    assert (kept["image_origin"].isel(time=1) == MEASURED).all()
+    np.testing.assert_allclose(kept["time"], [0.041, 0.051, 0.06])
 
 
 def test_other_methods_results_are_cut_to_the_stretch_as_well():

@@ -15,7 +15,7 @@ import pandas as pd
 from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
-from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
+from pawnb.core.paws.offline.detection.evidence import Detections, Evidence, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.output import write_tracks
@@ -269,10 +269,10 @@ class _Run:
             return None
         first, n_points, again = self.task.frames[0], len(self.layout.points), self.again
         frames, radius = (first + begin, first + end), self.parameters.appearance.radius
-        inputs = []
+        inputs, kinds = [], installed_evidence()
         for v, stack in zip(used, stacks, strict=True):
             detections = _detections(
-                self.layout, self.task, stack, annotations=own[v], view=v, span=span
+                self.layout, self.task, stack, annotations=own[v], view=v, span=span, kinds=kinds
             )
             one = ViewInput(self.layout.views[v], self.layout.sizes[v], stack, own[v], detections)
             if again is not None:
@@ -348,12 +348,12 @@ def _detections(
     annotations: Annotations,
     view: int,
     span: tuple[int, int],
+    kinds: Sequence[Evidence],
 ) -> list[Detections]:
     """Return what other programs and other packages' kinds of evidence find in a view."""
     name = layout.views[view]
     found = [
-        kind.detect(name, stack, annotations=annotations, points=layout.points)
-        for kind in installed_evidence()
+        kind.detect(name, stack, annotations=annotations, points=layout.points) for kind in kinds
     ]
     if name in task.predictions:
         uv, likelihood = task.predictions[name].of(layout.points)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -173,11 +172,8 @@ def run_pipeline(
     weighing = weighing or weigh(views, n_points, parameters)
     begin, end = rows or (0, views[0].stack.shape[0])
     again = all(view.earlier is not None for view in views)
-    learning = parameters.appearance
-    if again:
-        learning = dataclasses.replace(learning, rounds=1, epochs=learning.epochs_again)
-    parameters = dataclasses.replace(parameters, appearance=learning)
-    powers = weighing.powers
+    parameters = parameters.again() if again else parameters
+    learning, powers = parameters.appearance, weighing.powers
     works = [_Work(view, begin, end, parameters, weighing) for view in views]
     for work in works if again else []:
         work.take_earlier()

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from pawnb.core import dlt
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.association.estimates import modes
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.scene.stack import BodyStack
@@ -50,22 +50,21 @@ def epipolar_support(
     """
     matrices = [dlt.to_matrix(L) for L in rig.subset(names).coefs.T]
     support: list[dict[int, np.ndarray]] = []
-    with Threads() as pool:
-        seen = [
-            {point: list(pool.map(_Seen(stack, radius), range(len(own[point])), own[point]))
-             for point in own}
-            for own, stack in zip(posteriors, stacks, strict=True)
+    seen = [
+        {point: in_parts(_Seen(stack, radius), range(len(mass)), mass)
+         for point, mass in own.items()}
+        for own, stack in zip(posteriors, stacks, strict=True)
+    ]  # fmt: skip
+    for a, stack in enumerate(stacks):
+        support.append({p: np.ones(stack.shape, np.float32) for p in posteriors[a]})
+        others = [
+            (found, find_fundamental_matrix(matrices[b], matrices[a]))
+            for b, found in enumerate(seen) if b != a
         ]  # fmt: skip
-        for a, stack in enumerate(stacks):
-            support.append({p: np.ones(stack.shape, np.float32) for p in posteriors[a]})
-            others = [
-                (found, find_fundamental_matrix(matrices[b], matrices[a]))
-                for b, found in enumerate(seen) if b != a
-            ]  # fmt: skip
-            for point, factor in support[a].items():
-                told = [(found[point], F) for found, F in others if point in found]
-                draw = _Drawn(stack, told, LINKS.epipolar_sd_radii * radius)
-                list(pool.map(draw, range(len(factor)), factor))
+        for point, factor in support[a].items():
+            told = [(found[point], F) for found, F in others if point in found]
+            draw = _Drawn(stack, told, LINKS.epipolar_sd_radii * radius)
+            in_parts(draw, range(len(factor)), factor)
     return support
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.association.parameters import LINKS
 
 
@@ -60,8 +60,7 @@ def estimate(posterior: np.ndarray, radius: float) -> Estimates:
         spread = (mass * ((x - at_x) ** 2 + (y - at_y) ** 2)).sum() / max(mass.sum(), 1e-20)
         return at_x, at_y, float(within / (mass.sum() + 1e-20)), float(np.sqrt(spread / 2))
 
-    with Threads() as pool:
-        table = np.array(list(pool.map(one, posterior))).reshape(-1, 4)
+    table = np.array(in_parts(one, posterior)).reshape(-1, 4)
     return Estimates(table[:, :2], np.clip(table[:, 2], 0, 1), table[:, 3])
 
 

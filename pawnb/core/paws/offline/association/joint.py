@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.identities import decide
 from pawnb.core.paws.offline.association.parameters import LINKS
@@ -74,8 +74,7 @@ def tell_apart(
             radius=radius, parameters=parameters,
         )  # fmt: skip
 
-    with Threads() as pool:
-        found = list(pool.map(candidates, range(n)))
+    found = in_parts(candidates, range(n))
     tracklets = [
         one
         for one in link(found, stack.forward, stack.backward, radius=radius, parameters=parameters)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.features import PictureFeatures
@@ -230,8 +230,7 @@ def appearance_maps(
                 own / (1.0 + LEARNT.found_unsure - own), parameters.lowest, parameters.highest
             )
 
-    with Threads() as pool:
-        list(pool.map(look, range(len(wanted))))
+    in_parts(look, range(len(wanted)))
     return maps
 
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.detection.parameters import LEARNT
@@ -158,8 +158,7 @@ def _find_point(
         score = np.nan if at is None else _read(scores, at)
         return _peaks(scores, half, parameters.peaks), score, scores.places
 
-    with Threads() as pool:
-        seen = list(pool.map(look, wanted))
+    seen = in_parts(look, wanted)
     mean, sd = scores_of_point(np.array([score for _, score, _ in seen]))
     rows = []
     for t, (peaks, _, places) in zip(wanted, seen, strict=True):
@@ -217,22 +216,36 @@ def _score(
 def _best_correlation(part: np.ndarray, patches: Sequence[np.ndarray]) -> np.ndarray:
     """Return the highest correlation coefficient of patches of one size at every place.
 
-    That of ``cv2.TM_CCOEFF_NORMED``; what does not depend on the patch is worked out once.
+    That of ``cv2.TM_CCOEFF_NORMED``; what does not depend on the patch is worked out once, the
+    Fourier transform of the picture too.
     """
-    side, inside = patches[0].shape[0], part.shape[0] - patches[0].shape[0] + 1
+    side = patches[0].shape[0]
+    height, width = (length - side + 1 for length in part.shape)
     grey = part.astype(np.float32)
     grey -= grey.mean()
-    middle = (slice(side // 2, side // 2 + inside), slice(side // 2, part.shape[1] - side // 2))
+    middle = (slice(side // 2, side // 2 + height), slice(side // 2, side // 2 + width))
     mean = cv2.boxFilter(grey, -1, (side, side))[middle]
     variance = cv2.sqrBoxFilter(grey, -1, (side, side))[middle] - mean * mean
+    size = [cv2.getOptimalDFTSize(length) for length in part.shape]
+    picture = _transformed(grey, size)
     best = None
     for patch in patches:
         own = patch.astype(np.float32)
         own -= own.mean()
         # the patch has no mean, and what is alike has no variance
-        product = cv2.matchTemplate(grey, own, cv2.TM_CCORR) / (np.linalg.norm(own) + _TINY)
-        best = product if best is None else np.maximum(best, product, out=best)
+        own /= np.linalg.norm(own) + _TINY
+        both = cv2.mulSpectrums(picture, _transformed(own, size), 0, conjB=True)
+        # what goes round the edge lies beyond the places at which a whole patch has room
+        product = cv2.idft(both, flags=cv2.DFT_SCALE)[:height, :width]
+        best = product if best is None else np.maximum(best, product)
     return best / np.sqrt(np.maximum(variance, _FLAT) * side**2)
+
+
+def _transformed(picture: np.ndarray, size: Sequence[int]) -> np.ndarray:
+    """Return the Fourier transform of a picture with 0 about it up to a size."""
+    whole = np.zeros(size, np.float32)
+    whole[: picture.shape[0], : picture.shape[1]] = picture
+    return cv2.dft(whole, nonzeroRows=picture.shape[0])
 
 
 def _peaks(scores: _Scores, half: int, count: int) -> list[tuple[float, float, float]]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pawnb.core.parallel import Threads
+from pawnb.core.parallel import Threads, in_parts
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
@@ -303,8 +303,7 @@ def _flows(grey: np.ndarray, spacing: int) -> tuple[np.ndarray, np.ndarray]:
         found = flow.calc(*pair, None)  # type: ignore[call-overload]
         return cv2.resize(found, size, interpolation=cv2.INTER_AREA) * (2 / spacing)
 
-    with Threads() as pool:
-        forward = list(pool.map(between, itertools.pairwise(halves)))
-        backward = list(pool.map(between, itertools.pairwise(halves[::-1])))[::-1]
+    forward = in_parts(between, itertools.pairwise(halves))
+    backward = in_parts(between, itertools.pairwise(halves[::-1]))[::-1]
     empty = np.zeros((0, size[1], size[0], 2), np.float32)
     return (np.stack(forward), np.stack(backward)) if forward else (empty, empty)

@@ -9,11 +9,12 @@ where paws may be is found otherwise: by :mod:`.detection.paw_appearance`.
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 
 import numpy as np
 import pandas as pd
 
-from pawnb.core.parameters import values_in_force
+from pawnb.core.parameters import changed_in_force, values_in_force
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import annotations_of_view
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -29,7 +30,7 @@ from pawnb.core.paws.offline.detection.predictions import judge_predictions
 from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks
 from pawnb.core.paws.offline.parameters import APPEARANCE, AppearanceParameters
-from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view
+from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view, move_anchors
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.annotated import Annotated, read_request_and_annotations
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
@@ -85,6 +86,9 @@ def track_by_strides(
 ) -> Tracks:
     """Track paws whose look is learnt from the clicks, then from the tracks that this gives.
 
+    Where tracks are gone on from, it is what they were found by: learnt from the clicks of that
+    run, which a session that has done so does not do again. Corrections are certain as ever.
+
     Parameters
     ----------
     views, start, task, settings, looked, store
@@ -107,44 +111,97 @@ def track_by_strides(
     """
     parameters = parameters or values_in_force(APPEARANCE)
     asked = read_request_and_annotations(views, start, task, looked=looked)
-    layout = asked.layout
+    layout, span = asked.layout, (asked.begin, task.frames[1])
     marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
     paws, follower = asked.of(~marks), None
     if marks.any():
         marked = asked.of(marks)
         check_landmarks(marked.layout, marked.anchors)
         follower = TemplateTracker(marked.layout, marked.anchors)
-    base = scene_of_paws(views, paws, settings, least_paw_width=LEARNT.least_thickness)
-    placed = {**paws.anchors, **paws.clicks}
-    inside = {t: here for t, here in placed.items() if t < task.frames[1]}
-    lessons = told = clicked_lessons(base, paws.layout, inside)
-    body_scale = (asked.begin, task.frames[1])
-    for round_ in range(TREADMILL.learnt_appearance_rounds):
-        last = round_ == TREADMILL.learnt_appearance_rounds - 1
-        scene = with_paw_looks(views, paws.layout, base, lessons=lessons, parameters=parameters)
+    store = store or DetectionCache()
+    learnt_from = _learnt_from(paws, task, settings, parameters)
+    scene = store.recall(learnt_from)
+    if scene is None:
+        scene = _learn_scene(views, _as_begun(paws), task, settings, parameters)
+    seen: list[list[Detections]] = []
+    if scene is not None:
         seen = scan_and_follow(
-            views, body_scale, scene, follower=follower if last else None, anchors=asked.anchors,
-            store=store if last else None, task=_part(task, round_),
+            views, span, scene, follower=follower, anchors=asked.anchors, store=store,
+            task=_part(task, TREADMILL.learnt_appearance_rounds - 1),
         )  # fmt: skip
-        if (
-            len(seen) < body_scale[1] - body_scale[0]
-        ):  # stopped: a part does not decide over the whole
-            return as_tracks(empty_result(0, layout), layout, task, placed={})
-        seen = _with_predictions(seen, scene, paws, task)
-        refined = solve(seen, scene, paws, task=task, settings=settings)
-        lessons = told | {
-            t: lesson
-            for t, lesson in tracked_lessons(
-                refined, scene, paws.layout.tracked, first=task.frames[0]
-            ).items()
-            if t not in told
-        }
+    if scene is None or len(seen) < span[1] - span[0]:
+        # stopped: a part does not decide over the whole
+        return as_tracks(empty_result(0, layout), layout, task, placed={})
+    store.remember(learnt_from, scene)
+    if asked.is_looked:
+        scene = move_anchors(scene, paws.layout, paws.anchors)
+    seen = _with_predictions(seen, scene, paws, task)
+    refined = solve(seen, scene, paws, task=task, settings=settings)
     n = task.frames[1] - task.frames[0]
     result = empty_result(n, layout).with_points(~marks, refined)
     if follower is not None:
         followed = join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
         result = result.with_points(marks, followed)
     return as_tracks(result, layout, task, placed=asked.inside(n))
+
+
+def _as_begun(asked: Annotated) -> Annotated:
+    """Return what a person gave an earlier run; where there was none, what was given now."""
+    if not asked.is_looked:
+        return asked
+    return dataclasses.replace(asked, anchors=asked.clicks, is_looked=False)
+
+
+def _learn_scene(
+    views: Views,
+    asked: Annotated,
+    task: TrackingRequest,
+    settings: OfflineSettings,
+    parameters: AppearanceParameters,
+) -> Scene | None:
+    """Return a scene with looks that are learnt round by round; None where it was stopped."""
+    base = scene_of_paws(views, asked, settings, least_paw_width=LEARNT.least_thickness)
+    placed = {**asked.anchors, **asked.clicks}
+    inside = {t: here for t, here in placed.items() if t < task.frames[1]}
+    lessons = told = clicked_lessons(base, asked.layout, inside)
+    span = (asked.begin, task.frames[1])
+    for round_ in range(TREADMILL.learnt_appearance_rounds - 1):
+        scene = with_paw_looks(views, asked.layout, base, lessons=lessons, parameters=parameters)
+        seen = scan_and_follow(
+            views, span, scene, follower=None, anchors=asked.anchors, store=None,
+            task=_part(task, round_),
+        )  # fmt: skip
+        if len(seen) < span[1] - span[0]:
+            return None
+        seen = _with_predictions(seen, scene, asked, task)
+        refined = solve(seen, scene, asked, task=task, settings=settings)
+        tracked = tracked_lessons(refined, scene, asked.layout.tracked, first=task.frames[0])
+        lessons = told | {t: lesson for t, lesson in tracked.items() if t not in told}
+    return with_paw_looks(views, asked.layout, base, lessons=lessons, parameters=parameters)
+
+
+def _learnt_from(
+    asked: Annotated,
+    task: TrackingRequest,
+    settings: OfflineSettings,
+    parameters: AppearanceParameters,
+) -> str:
+    """Return a checksum of all that looks are learnt from, beside the video."""
+    points = asked.layout.points
+    clicks = sorted(
+        (t, one.view, one.point, *map(float, one.uv))
+        for t, here in asked.clicks.items()
+        for one in here
+    )
+    rig = None if task.rig is None else task.rig.coefs.tobytes()
+    said = [clicks, points, asked.layout.views, asked.begin, task.frames, task.fps, rig]
+    how = [dataclasses.replace(settings, evidence="auto"), parameters, changed_in_force()]
+    digest = hashlib.sha256(repr([said, how]).encode())
+    for name, predicted in sorted(task.predictions.items()):
+        digest.update(name.encode())
+        for values in predicted.of(points):
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()
 
 
 def _part(task: TrackingRequest, round_: int) -> TrackingRequest:

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.paws.offline import pipeline
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.learnt_run import track_learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
@@ -179,7 +180,7 @@ def test_frames_up_to_the_next_click_of_the_point_are_tracked_again(views):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kept", [True, False])
-def test_what_is_tracked_again_passes_through_the_correction(views, kept):
+def test_what_is_tracked_again_passes_through_the_correction(views, kept, monkeypatch):
     stacks, start = KeptStacks(), clicks([2, 20])
     tracks = run(views, start, stacks=stacks)
     assert tracks.attrs[TRUST] == QUICK.appearance.trust
@@ -187,10 +188,15 @@ def test_what_is_tracked_again_passes_through_the_correction(views, kept):
     again = after_correction(placed, 8, ["FR"])
     more = pd.concat([start, pd.DataFrame([(8, "side", "FR", *(way()[8, 0] + [0.0, 6.0]))],
                                           columns=start.columns)])  # fmt: skip
-    read = views.read
-    found = run(
-        views, more, looked=start, stacks=stacks if kept else None, again=again
-    )  # fmt: skip
+    read, looked_at, maps = views.read, [], pipeline.appearance_maps
+
+    def look(*args, rows, **rest):
+        looked_at.append(rows)
+        return maps(*args, rows=rows, **rest)
+
+    monkeypatch.setattr(pipeline, "appearance_maps", look)
+    found = run(views, more, looked=start, stacks=stacks if kept else None, again=again)
+    assert looked_at == [range(8, 21)]  # once, and in its frames only
     assert views.read == (read if kept else read + N)
     uv = positions(found)
     np.testing.assert_allclose(uv[8, 0], way()[8, 0] + [0.0, 6.0], atol=1e-9)

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.offline import tracker
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.settings import OfflineSettings
@@ -66,15 +67,23 @@ def in_pictures(tracks):
     )
 
 
-@pytest.mark.slow
-def test_paws_in_a_grey_film_are_tracked(scene):
-    trial, start, truth = scene
-    done = []
+@pytest.fixture(scope="module")
+def tracked(scene):
+    """Tracks as they are found by default, with how far they were said to be; what was kept."""
+    trial, start, _ = scene
+    done, store = [], DetectionCache()
     with open_views(trial) as views:
         tracks = track_offline(
             views, start, task_of(trial, progress=lambda *step: done.append(step)),
-            settings=OfflineSettings(),
+            settings=OfflineSettings(), store=store,
         )  # fmt: skip
+    return tracks, done, store
+
+
+@pytest.mark.slow
+def test_paws_in_a_grey_film_are_tracked(scene, tracked):
+    trial, start, truth = scene
+    tracks, done, _ = tracked
     check_tracks(tracks)
     assert tracks.attrs["evidence"] == "strides"
     # a part of a stride only: 12 % were wrong, of whole strides less (docs/paw_accuracy.md)
@@ -83,6 +92,37 @@ def test_paws_in_a_grey_film_are_tracked(scene):
     assert stays > 0.5
     assert done[-1] == (N, N)
     assert all(a[0] <= b[0] for a, b in itertools.pairwise(done))
+
+
+class Unread:
+    """Views of which no frame is read."""
+
+    def __init__(self, views):
+        self._views = views
+
+    def __getattr__(self, name):
+        assert name not in ("frame", "frames")
+        return getattr(self._views, name)
+
+
+@pytest.mark.slow
+def test_a_correction_costs_no_look_at_the_video_and_is_the_same_in_a_new_session(
+    scene, tracked, monkeypatch
+):
+    trial, start, _ = scene
+    view, point = start.loc[0, ["view", "point"]]
+    place = {"u": 6.0 + start.loc[0, "u"], "v": float(start.loc[0, "v"])}
+    more = pd.concat([start, pd.DataFrame([{"frame": 12, "view": view, "point": point, **place}])])
+    asked = {"settings": OfflineSettings(evidence="strides"), "looked": start}
+    with open_views(trial) as views:
+        with monkeypatch.context() as patch:
+            patch.setattr(learnt_appearance, "with_paw_looks", None)
+            again = track_by_strides(Unread(views), more, task_of(trial), store=tracked[2], **asked)
+        anew = track_by_strides(views, more, task_of(trial), **asked)
+    here = again["image_position"].sel(view=view, keypoint=point).isel(individual=0, time=12)
+    np.testing.assert_allclose(here, [place["u"], place["v"]])
+    assert np.abs(again["position"] - tracked[0]["position"]).max() > 0.1
+    np.testing.assert_array_equal(again["position"], anew["position"])
 
 
 @pytest.mark.slow

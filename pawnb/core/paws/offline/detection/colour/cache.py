@@ -54,6 +54,15 @@ class DetectionCache(Closing):
         self._key = ""
         self._found: list[list[Detections]] = []
         self._file: RecordFile | None = None
+        self._remembered: tuple[str, Any] = ("", None)
+
+    def remember(self, key: str, what: Any) -> None:
+        """Keep, in memory and in place of the last one, what detections were found by."""
+        self._remembered = key, what
+
+    def recall(self, key: str) -> Any:
+        """Return what was kept under the same key, or None."""
+        return self._remembered[1] if self._remembered[0] == key else None
 
     def begin(self, n_views: int, *depends_on: Any) -> list[list[Detections]]:
         """Return the detections that are there already, and get ready for more.
