@@ -46,7 +46,8 @@ def track_offline(
     which knows strides and stance. Where colour does not tell them, as in grey pictures, or its
     tracks are not good by absolute measures (:func:`.quality.assess`), calibrated views of paws
     are tracked in the same way by a look that is learnt (:func:`.strides.track_by_strides`), and
-    these tracks are kept if clearly more labels are expected to be right. Where neither applies,
+    these tracks are kept if clearly more labels are expected to be right and no two names lie on
+    one place. Where neither applies,
     or tracks failed (on the real clips on which colour does not tell paws 7 to 37 % of labels are
     expected to be right, on rendered scenes 83 % and more), points are tracked by
     :func:`.learnt_run.track_learnt`; as well where clicks were added since its last run.
@@ -74,7 +75,7 @@ def track_offline(
     given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
     n = task.frames[1] - task.frames[0]
     enough = LIMITS.good if n >= RUN.colour_long else RUN.colour_poor
-    best: tuple[Quality, Tracks] | None = None
+    best: tuple[Quality, Tracks, float] | None = None
     ways = _ways(views, start, task, settings=settings, looked=looked)
     if stacks is not None and looked is None and goes_on(views, start, task, stacks=stacks):
         ways = []  # found to fail by the run that is gone on from
@@ -86,8 +87,9 @@ def track_offline(
         if settings.evidence == kind or not complete:
             return tracks
         quality = assess(add_likeness(views, tracks, start), clicks=start)
-        if best is None or (_is_better(quality, best[0]) and not share_on_one_place(tracks, start)):
-            best = quality, tracks
+        shared = share_on_one_place(tracks, start)
+        if best is None or (not shared and _is_better(quality, best[0], shared=best[2])):
+            best = quality, tracks, shared
         if best[0].expected_right >= enough:
             break
     if best is not None and best[0].verdict != "failed":
@@ -97,10 +99,13 @@ def track_offline(
     return tracks
 
 
-def _is_better(quality: Quality, than: Quality) -> bool:
-    """Tell whether tracks by strides take the place of those by colour."""
+def _is_better(quality: Quality, than: Quality, *, shared: float) -> bool:
+    """Tell whether tracks by strides take the place of those by colour.
+
+    Those by colour are known to be wrong where two names ``shared`` a place in part of them.
+    """
     surer = quality.expected_right > than.expected_right + RUN.colour_surer
-    return surer and (quality.verdict == "good" or than.verdict == "failed")
+    return surer and (quality.verdict == "good" or than.verdict == "failed" or shared > 0.0)
 
 
 def _ways(

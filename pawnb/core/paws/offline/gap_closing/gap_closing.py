@@ -25,7 +25,11 @@ from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.rejection import frames_to_reassociate, runs
 from pawnb.core.paws.offline.gap_closing.state import GapClosing, TrackingState
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras
-from pawnb.core.paws.offline.gap_closing.usual_region import usual_region
+from pawnb.core.paws.offline.gap_closing.usual_region import (
+    UsualRegion,
+    same_kind,
+    usual_region,
+)
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate
@@ -181,13 +185,23 @@ class _GapCloser:
             state, covariance, edge,
             evidence._replace(negative_log_odds=evidence.negative_log_odds + against),
             self._expected(point, gap),
-            usual_region(
-                self.sure, self.state.body, point, frames=np.concatenate([gap.frames, gap.after]),
-                motion_model=motion_model,
-            ),
+            self._region(point, gap),
             self._how(point, gap, tracked_in_view),
         )  # fmt: skip
         return ClosedGap(point, gap, choice, stood, standing[stood], cost)
+
+    def _region(self, point: int, gap: Gap) -> UsualRegion:
+        """Return where a point may be in a stretch and the frames that follow."""
+        state, motion_model = self.state, self.substrate.motion_model
+        alike: list[tuple[int, np.ndarray]] = []
+        if len(motion_model.axes) == 3:  # one picture from the side has no sides
+            alike = same_kind(
+                state.assignment, state.body, point, kinds=state.kinds, across=motion_model.axes[1]
+            )
+        return usual_region(
+            self.sure, state.body, point, frames=np.concatenate([gap.frames, gap.after]),
+            motion_model=motion_model, alike=alike, are_apart=state.are_apart,
+        )  # fmt: skip
 
     def _due(self, point: int, gap: Gap) -> np.ndarray | None:
         """Return what speaks against lifting off before each frame of a stretch and after it.

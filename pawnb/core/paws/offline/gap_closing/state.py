@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,6 +59,10 @@ class TrackingState:
         What is known of strides.
     body : ndarray, shape (n, d), optional
         The slowly moving middle of the animal, about which points stay.
+    kinds : sequence of str
+        Kind of each point: those of one kind go as far.
+    are_apart : bool
+        Whether places are known so well that two points keep their distance in space.
     """
 
     assignment: Assignment
@@ -65,6 +70,8 @@ class TrackingState:
     trust: np.ndarray
     stride: StrideModel
     body: np.ndarray | None = None
+    kinds: Sequence[str] = ()
+    are_apart: bool = True
 
     @property
     def chosen(self) -> np.ndarray:

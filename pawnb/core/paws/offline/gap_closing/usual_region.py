@@ -3,16 +3,19 @@
 The certain places of a point say how far ahead of the middle of the animal, behind it and to its
 sides the point ever is. A hind paw that is not seen for some frames is not where front paws
 stand, and a left one is not on the right. A place in space belongs to one point: where another
-is certain to be, this one is not.
+is certain to be, this one is not. A point that is certain in few frames goes as far as those of
+its kind, on the side of the animal where it was placed by hand.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from pawnb.core.compiled import compiled
+from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 
@@ -52,6 +55,8 @@ def usual_region(
     *,
     frames: np.ndarray,
     motion_model: MotionModel,
+    alike: Sequence[tuple[int, np.ndarray]] = (),
+    are_apart: bool = True,
 ) -> UsualRegion:
     """Learn where a point may be.
 
@@ -67,18 +72,25 @@ def usual_region(
         The frames in question.
     motion_model : MotionModel
         Axes and size of the animal.
+    alike : sequence of (int, ndarray)
+        Points that go as far, and the step (d,) from each to this one; see :func:`same_kind`.
+        They are asked where the point itself is certain in few frames.
+    are_apart : bool
+        Whether places are known so well that two points keep their distance.
 
     Returns
     -------
     UsualRegion
-        Without limits where the point is certain in few frames.
+        Without limits where they all are certain in few frames.
     """
     axes = np.ascontiguousarray(motion_model.axes[:-1])
     low = np.full((len(frames), len(axes)), -np.inf)
     high = -low
-    known = np.isfinite(sure[:, point, 0])
-    if body is not None and known.sum() >= GAP_CLOSING.region_least:
-        along = (sure[known, point] - body[known]) @ axes.T
+    along = _about_body(sure, body, point, axes)
+    if len(along) < GAP_CLOSING.region_least:
+        others_alike = [_about_body(sure, body, p, axes) + step @ axes.T for p, step in alike]
+        along = np.concatenate([along, *others_alike])
+    if body is not None and len(along) >= GAP_CLOSING.region_least:
         tail = GAP_CLOSING.region_tail
         few, most = np.quantile(along, (tail, 1.0 - tail), axis=0)
         spare = (GAP_CLOSING.region_ahead, GAP_CLOSING.region_aside)[: len(axes)]
@@ -86,7 +98,7 @@ def usual_region(
         middle = body[frames] @ axes.T
         low, high = middle + few - beyond, middle + most + beyond
     others = np.delete(sure[frames], point, axis=1)
-    if body is None or len(axes) < 2:
+    if body is None or len(axes) < 2 or not are_apart:
         others = others[:, :0]  # in one picture points meet that do not meet in space
     return UsualRegion(
         axes,
@@ -97,6 +109,63 @@ def usual_region(
         GAP_CLOSING.region_nearest * motion_model.paw_width,
         GAP_CLOSING.region_shared,
     )
+
+
+def same_kind(
+    assignment: Assignment,
+    body: np.ndarray | None,
+    point: int,
+    *,
+    kinds: Sequence[str],
+    across: np.ndarray,
+) -> list[tuple[int, np.ndarray]]:
+    """Return the other points of a kind, with the step from the side of each to this one's.
+
+    Front paws go as far ahead and behind as each other, and so do hind ones; how far to the side
+    of each other they do is told by where they were placed by hand.
+
+    Parameters
+    ----------
+    assignment : Assignment
+        Certain places.
+    body : ndarray, shape (n, d), optional
+        The slowly moving middle of the animal.
+    point : int
+        The point.
+    kinds : sequence of str
+        Kind of each point.
+    across : ndarray, shape (d,)
+        Unit vector to the side.
+
+    Returns
+    -------
+    list of (int, ndarray)
+        Numbers of points, and steps (d,); none for points that nobody placed.
+    """
+    if body is None:
+        return []
+    steps = []
+    for other, kind in enumerate(kinds):
+        if other == point or kind != kinds[point]:
+            continue
+        side = [
+            np.mean((assignment.at[here, p] - body[here]) @ across)
+            for p in (other, point)
+            if (here := assignment.by_hand[:, p]).any()
+        ]
+        if len(side) == 2:
+            steps.append((other, (side[1] - side[0]) * across))
+    return steps
+
+
+def _about_body(
+    sure: np.ndarray, body: np.ndarray | None, point: int, axes: np.ndarray
+) -> np.ndarray:
+    """Return how far along axes (m, k) a point is from the middle of the animal where certain."""
+    if body is None:
+        return np.empty((0, len(axes)))
+    known = np.isfinite(sure[:, point, 0])
+    return np.asarray((sure[known, point] - body[known]) @ axes.T)
 
 
 @compiled

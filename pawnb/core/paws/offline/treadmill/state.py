@@ -90,8 +90,10 @@ class PipelineState:
             self.smoothed.x,
             1.0 / (1.0 + (sd / TREADMILL.pipeline_believed) ** 2),
             self.stride,
-            # a learnt look shows too little of swings to say how far points go
-            None if scene.is_learnt else self.paths.body(self.assignment.at),
+            self.paths.body(self.assignment.at),
+            self.targets.kinds,
+            # by a learnt look, places of paws beside each other err by as much as these are apart
+            not scene.is_learnt,
         )
 
     @property

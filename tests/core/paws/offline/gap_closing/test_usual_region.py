@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 from pipeline_states import known_state
 
+from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.usual_region import (
     UsualRegion,
     add_region_cost,
+    same_kind,
     usual_region,
 )
 from pawnb.core.paws.offline.projection import Projection
@@ -74,6 +76,46 @@ def test_nothing_is_learnt_from_few_frames():
         assert np.isneginf(region.low).all()
         assert np.isposinf(region.high).all()
         sure[:] = 0.0  # and without a body nothing is known, however much is certain
+
+
+def test_a_paw_that_is_hardly_ever_seen_stays_on_its_side_and_goes_as_far_as_its_kind():
+    # a mouse 100 long: front paws swing from 10 to 60 ahead, hind ones from 60 to 10 behind, left
+    # ones 20 to the left of the middle and right ones as far to the right
+    n, kinds = 100, ("front", "hind", "front", "hind")
+    body = np.column_stack([0.5 * np.arange(n), np.zeros(n), np.zeros(n)])
+    swing = 35.0 + 25.0 * np.sin(0.3 * np.arange(n))
+    places = np.zeros((n, 4, 3))
+    for p, (ahead, aside) in enumerate([(1, -20.0), (-1, -20.0), (1, 20.0), (-1, 20.0)]):
+        places[:, p] = body + np.column_stack([ahead * swing, np.full(n, aside), np.zeros(n)])
+    by_hand = np.zeros((n, 4), bool)
+    by_hand[0] = True
+    sure = places.copy()
+    sure[1:, 0] = np.nan  # the right front paw was clicked once and never seen again
+    frames = np.arange(40, 60)
+    alike = same_kind(
+        Assignment(sure, by_hand), body, 0, kinds=kinds, across=np.array([0.0, 1.0, 0.0])
+    )
+    assert [other for other, _ in alike] == [2]
+    np.testing.assert_allclose(alike[0][1], [0.0, -40.0, 0.0])
+    region = usual_region(sure, body, 0, frames=frames, motion_model=SPACE, alike=alike)
+    speaks = np.zeros((4, len(frames)))
+    for p in range(4):
+        for row, frame in enumerate(frames):
+            add_region_cost(places[frame, p][:, None], region, row, speaks[p, row : row + 1])
+    np.testing.assert_array_equal(speaks[0], 0.0)
+    # left paws are 40 off, limits 6 beyond, one standard deviation is 5
+    assert (speaks[2:] > 0.5 * (34.0 / 5.0) ** 2 - 1e-6).all()
+    # what nobody has placed by hand tells no side
+    nobody = Assignment(sure, by_hand & (np.arange(4) != 2))
+    assert not same_kind(nobody, body, 0, kinds=kinds, across=np.array([0.0, 1.0, 0.0]))
+
+
+def test_places_that_are_known_poorly_keep_no_distance():
+    sure = np.zeros((100, 2, 3))
+    body, frames = np.zeros((100, 3)), np.arange(10)
+    given = {"frames": frames, "motion_model": SPACE}
+    assert usual_region(sure, body, 0, **given).others.shape[1] == 1
+    assert usual_region(sure, body, 0, **given, are_apart=False).others.shape[1] == 0
 
 
 def test_a_hind_paw_that_is_not_seen_does_not_go_to_where_front_paws_are():

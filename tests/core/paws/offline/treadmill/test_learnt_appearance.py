@@ -170,32 +170,33 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
 @pytest.mark.parametrize(
     ("frames", "colour", "strides_", "shared", "taken"),
     [
-        (100, ("good", 0.95), ("good", 0.99), 0.0, "colour"),
-        (100, ("look", 0.85), ("good", 0.99), 0.0, "strides"),
-        (100, ("look", 0.88), ("good", 0.9), 0.0, "colour"),
-        (30, ("look", 0.85), ("good", 0.99), 0.0, "colour"),
-        (30, ("look", 0.8), ("good", 0.91), 0.0, "strides"),
-        (100, ("look", 0.71), ("look", 0.81), 0.0, "colour"),
-        (100, ("failed", 0.4), ("look", 0.6), 0.0, "strides"),
-        (100, ("look", 0.8), ("look", 0.7), 0.0, "colour"),
-        (100, ("failed", 0.3), ("failed", 0.4), 0.0, "learnt"),
-        (100, ("look", 0.86), ("good", 0.92), 0.1, "colour"),
-        (100, ("failed", 0.4), ("look", 0.6), 0.1, "learnt"),
+        (100, ("good", 0.95), ("good", 0.99), (0.0, 0.0), "colour"),
+        (100, ("look", 0.85), ("good", 0.99), (0.0, 0.0), "strides"),
+        (100, ("look", 0.88), ("good", 0.9), (0.0, 0.0), "colour"),
+        (30, ("look", 0.85), ("good", 0.99), (0.0, 0.0), "colour"),
+        (30, ("look", 0.8), ("good", 0.91), (0.0, 0.0), "strides"),
+        (100, ("look", 0.71), ("look", 0.81), (0.0, 0.0), "colour"),
+        (100, ("failed", 0.4), ("look", 0.6), (0.0, 0.0), "strides"),
+        (100, ("look", 0.8), ("look", 0.7), (0.0, 0.0), "colour"),
+        (100, ("failed", 0.3), ("failed", 0.4), (0.0, 0.0), "learnt"),
+        (100, ("look", 0.86), ("good", 0.92), (0.0, 0.1), "colour"),
+        (100, ("failed", 0.4), ("look", 0.6), (0.0, 0.1), "learnt"),
+        (100, ("look", 0.71), ("look", 0.81), (0.1, 0.0), "strides"),
+        (100, ("look", 0.8), ("look", 0.84), (0.1, 0.0), "colour"),
+        (100, ("look", 0.71), ("look", 0.81), (0.1, 0.1), "colour"),
     ],
 )
 def test_the_better_tracks_are_kept(monkeypatch, frames, colour, strides_, shared, taken):
     """Verdicts, and the share of labels on another paw's place, are given here."""
     said = {"colour": colour, "strides": strides_}
+    on_one = dict(zip(("colour", "strides"), shared, strict=True))
     monkeypatch.setattr(tracker, "_ways", lambda *a, **k: ["colour", "strides"])
     monkeypatch.setattr(tracker, "track_treadmill", lambda *a, **k: SimpleTracks(frames))
     monkeypatch.setattr(tracker, "track_by_strides", lambda *a, **k: SimpleTracks(frames))
     monkeypatch.setattr(tracker, "track_learnt", lambda *a, **k: SimpleTracks(frames))
     monkeypatch.setattr(tracker, "add_likeness", lambda views, tracks, start: tracks)
     monkeypatch.setattr(tracker, "assess", lambda t, **k: Verdict(*said[t.attrs["evidence"]]))
-    monkeypatch.setattr(
-        tracker, "share_on_one_place",
-        lambda t, _: shared if t.attrs["evidence"] == "strides" else 0.0,
-    )  # fmt: skip
+    monkeypatch.setattr(tracker, "share_on_one_place", lambda t, _: on_one[t.attrs["evidence"]])
     tracks = track_offline(
         None, None, TrackingRequest(frames=(0, frames), fps=1.0), settings=OfflineSettings()
     )
