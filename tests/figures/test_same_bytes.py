@@ -24,7 +24,7 @@ from pawnb.gait.strides.durations import compare_legs
 from pawnb.io.tables import write_table
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
-from pawnb.workflow.gait import save_figures
+from pawnb.workflow.gait.drawing import save_figures
 from pawnb.workflow.gait.drawing.draw_figure import draw_figure
 from pawnb.workflow.gait.drawing.drawings import gait_drawings
 from pawnb.workflow.gait.drawing.overview_drawings import overview_drawings

@@ -12,7 +12,7 @@ from PIL import Image
 from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import analyse_events
-from pawnb.workflow.gait import save_figures
+from pawnb.workflow.gait.drawing import save_figures
 from pawnb.workflow.gait.drawing.drawings import gait_drawings
 from pawnb.workflow.gait.drawing.save_figures import save_gait_figures
 

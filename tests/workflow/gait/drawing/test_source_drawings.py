@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
-from test_gait_run import walking_tracks
+from trotting import walking_tracks
 
 from pawnb import schema
 from pawnb.core.paws.maghsoudi2019.template import load_template
