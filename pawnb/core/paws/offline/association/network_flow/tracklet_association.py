@@ -233,7 +233,7 @@ class TrackletAssociator:
                 positional_prior=positional_prior,
                 body_scale=body_scale,
             )
-            # habits learnt while near and far paws changed places would keep them so
+            # a prior learnt while near and far paws changed places would keep them so
             side = side_cost(self.tracklets, self.anchors, self.scene, body=body, kinds=self.kinds)
             x = self._choose(NETWORK_FLOW.tracklet_association_habit * prior + side)
         if self._clicked == len(self.kinds):
