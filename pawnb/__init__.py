@@ -55,7 +55,7 @@ _HOME = {
     "check_trial": "pawnb.workflow.checking.check",
     "convert_tracks": "pawnb.workflow.conversion.convert",
     "count_errors": "pawnb.workflow.evaluation.errors",
-    "draw_figure": "pawnb.workflow.gait.draw_figure",
+    "draw_figure": "pawnb.workflow.gait.drawing.draw_figure",
     "evaluate": "pawnb.workflow.evaluation.evaluate",
     "export_film": "pawnb.workflow.export.film",
     "export_page": "pawnb.widgets.page",

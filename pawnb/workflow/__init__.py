@@ -30,7 +30,7 @@ _ROOM_OF = {
     "quality": "reviewing",
     "reproject": "reviewing",
     "results": "provenance",
-    "save_figures": "gait",
+    "save_figures": "gait.drawing",
     "scale": "calibration",
     "suggest": "reviewing",
     "track": "tracking",

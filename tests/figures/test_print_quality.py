@@ -13,8 +13,8 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
 from pawnb.trial import Animal, Trial
-from pawnb.workflow.gait.drawings import gait_drawings
-from pawnb.workflow.gait.overview_drawings import overview_drawings
+from pawnb.workflow.gait.drawing.drawings import gait_drawings
+from pawnb.workflow.gait.drawing.overview_drawings import overview_drawings
 
 pytestmark = pytest.mark.slow
 

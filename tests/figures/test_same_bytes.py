@@ -25,10 +25,10 @@ from pawnb.io.tables import write_table
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait import save_figures
-from pawnb.workflow.gait.draw_figure import draw_figure
-from pawnb.workflow.gait.drawings import gait_drawings
-from pawnb.workflow.gait.overview_drawings import overview_drawings
-from pawnb.workflow.gait.save_figures import save_figure
+from pawnb.workflow.gait.drawing.draw_figure import draw_figure
+from pawnb.workflow.gait.drawing.drawings import gait_drawings
+from pawnb.workflow.gait.drawing.overview_drawings import overview_drawings
+from pawnb.workflow.gait.drawing.save_figures import save_figure
 from pawnb.workflow.gait.statistics import statistics_tables
 
 mpl.use("Agg")

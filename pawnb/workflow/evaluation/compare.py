@@ -34,7 +34,7 @@ from pawnb.workflow.evaluation.compare_cameras import (
 from pawnb.workflow.evaluation.compared import open_compared
 from pawnb.workflow.evaluation.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation.errors import count_errors, limits_for_width, poisson_limit
-from pawnb.workflow.gait.save_figures import save_figure
+from pawnb.workflow.gait.drawing.save_figures import save_figure
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.record import build_step, file_checksum
 from pawnb.workflow.provenance.results import make_folder

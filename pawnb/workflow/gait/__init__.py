@@ -3,8 +3,7 @@
 Comes in: results, files of tracks or events, or a study. Goes out: a folder of tables and figures.
 ``run`` is the call, ``request`` what it is asked for and its record, ``study`` who was filmed,
 ``species`` who else is drawn; ``inputs``, ``sources`` and ``event_sources`` read what it is given,
-``statistics`` makes the tables beside those of the trials, ``drawings``, ``overview_drawings``,
-``source_drawings`` and ``save_figures`` the figures, ``draw_figure`` one of one's own.
+``statistics`` makes the tables beside those of the trials, ``drawing`` the figures.
 """
 
 from pawnb import _lazy
@@ -22,16 +21,12 @@ __all__ = [
     "GaitRun",
     "Legs",
     "analyse_source",
-    "draw_figure",
-    "drawings",
+    "drawing",
     "event_sources",
     "inputs",
-    "overview_drawings",
     "request",
     "run",
     "run_gait",
-    "save_figures",
-    "source_drawings",
     "sources",
     "species",
     "speed_residuals",

@@ -14,9 +14,9 @@ from pawnb.gait import GaitTables
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.cycles import POSITION
 from pawnb.schema import each_of, shown
+from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.event_sources import choose_event_legs
 from pawnb.workflow.gait.request import GaitRequest, Legs
-from pawnb.workflow.gait.source_drawings import SourceTracks
 from pawnb.workflow.gait.sources import GaitSource, read_source
 from pawnb.workflow.gait.study import Study, StudyTrial, is_study, read_study
 

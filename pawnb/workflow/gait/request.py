@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pawnb.gait import GaitTables
-from pawnb.workflow.gait.save_figures import Which
+from pawnb.workflow.gait.drawing.save_figures import Which
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.study import Study
 from pawnb.workflow.provenance.labels import label_inputs

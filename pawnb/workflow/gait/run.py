@@ -19,7 +19,10 @@ from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events.event_edits import FILE_NAME
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import build_settings
-from pawnb.workflow.gait.drawings import Drawing, gait_drawings
+from pawnb.workflow.gait.drawing.drawings import Drawing, gait_drawings
+from pawnb.workflow.gait.drawing.overview_drawings import overview_drawings
+from pawnb.workflow.gait.drawing.save_figures import Which, save_gait_figures
+from pawnb.workflow.gait.drawing.source_drawings import SourceTracks, source_drawings
 from pawnb.workflow.gait.inputs import (
     analyse_source,
     check_alike,
@@ -27,10 +30,7 @@ from pawnb.workflow.gait.inputs import (
     tracks_of,
     who_is_who,
 )
-from pawnb.workflow.gait.overview_drawings import overview_drawings
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
-from pawnb.workflow.gait.save_figures import Which, save_gait_figures
-from pawnb.workflow.gait.source_drawings import SourceTracks, source_drawings
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.statistics import (

@@ -18,7 +18,7 @@ from pawnb.files import safe_name
 from pawnb.gait.regression.scaling import per_animal
 from pawnb.io.tables import read_cells, read_column_names, read_numbers
 from pawnb.schema import shown
-from pawnb.workflow.gait.drawings import Drawing, make_drawing
+from pawnb.workflow.gait.drawing.drawings import Drawing, make_drawing
 from pawnb.workflow.gait.study_tables import Fields
 
 _PER_UNIT = {

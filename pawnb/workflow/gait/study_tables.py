@@ -16,8 +16,8 @@ from pawnb.gait.cycles import LegSignals
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.regression.reference_lines import least_stable_duty_factor, trot_gallop_transition
 from pawnb.gait.regression.scaling import EXPECTED_EXPONENTS, expected_slopes_table, scaling_table
-from pawnb.workflow.gait.drawings import Drawing, make_drawing
-from pawnb.workflow.gait.overview_drawings import curve_clusters
+from pawnb.workflow.gait.drawing.drawings import Drawing, make_drawing
+from pawnb.workflow.gait.drawing.overview_drawings import curve_clusters
 from pawnb.workflow.gait.speed_residuals import speed_residuals
 from pawnb.workflow.gait.statistics import Groups
 

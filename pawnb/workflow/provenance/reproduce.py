@@ -20,7 +20,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
-from pawnb.workflow.gait.draw_figure import STEP, redraw
+from pawnb.workflow.gait.drawing.draw_figure import STEP, redraw
 from pawnb.workflow.gait.request import ASKED, GaitRequest, TakenOver
 from pawnb.workflow.gait.run import carry_out
 from pawnb.workflow.provenance.find_inputs import find_inputs, places_of

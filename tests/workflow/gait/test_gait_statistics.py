@@ -16,7 +16,7 @@ from pawnb.io.native import write_tracks
 from pawnb.schema import make_tracks
 from pawnb.synthetic.spider_study import simulate_spider_study
 from pawnb.trial import Animal, Trial
-from pawnb.workflow.gait.drawings import gait_drawings
+from pawnb.workflow.gait.drawing.drawings import gait_drawings
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.gait.statistics import body_angles_of, joint_angles_of, statistics_tables
 from pawnb.workflow.provenance.results import describe_trial

@@ -147,7 +147,7 @@ def _views_agree(uv: np.ndarray, shown: np.ndarray) -> np.ndarray:
     far, least = QUALITY.disagree_fall
     off = np.linalg.norm(uv - shown, axis=-1)
     off /= np.array([usual_span(own) for own in np.moveaxis(uv, 2, 0)])
-    return falling(off, (LIMITS.right, far * LIMITS.right), least)
+    return falling(off, (LIMITS.right, far * LIMITS.right, least))
 
 
 def _as_tracks(

@@ -179,24 +179,24 @@ def measure_evidence(tracks: Tracks, labels: Labels, limits: QualityLimits) -> l
     ]
 
 
-def falling(values: np.ndarray, between: tuple[float, float], least: float) -> np.ndarray:
+def falling(values: np.ndarray, fall: tuple[float, float, float]) -> np.ndarray:
     """Return 1 up to a value, less beyond it.
 
     Parameters
     ----------
     values : ndarray
         Any; unknown ones are NaN and give 1.
-    between : tuple of float
-        Up to where it is 1, and from where on it is ``least``; a line between.
-    least : float
-        0 to 1.
+    fall : tuple of float
+        Up to where it is 1, from where on it is less, and how much it is then (0 to 1); a line
+        between.
 
     Returns
     -------
     ndarray
-        Of the same shape.
+        0 to 1, as many as values.
     """
-    return np.where(np.isfinite(values), np.interp(values, between, (1.0, least)), 1.0)
+    begin, end, least = fall
+    return np.where(np.isfinite(values), np.interp(values, (begin, end), (1.0, least)), 1.0)
 
 
 def _off_the_picture(labels: Labels, limits: QualityLimits) -> Measure:
@@ -216,7 +216,7 @@ def _beyond_the_body(labels: Labels, limits: QualityLimits, trust: np.ndarray) -
         middle = _middle(others)
         away[:, :, p] = np.linalg.norm(labels.uv[:, :, p] - middle, axis=-1) / labels.body_px
     far, least = QUALITY.beyond_fall
-    left = falling(away, (limits.beyond, far * limits.beyond), least)
+    left = falling(away, (limits.beyond, far * limits.beyond, least))
     return Measure("{point} lies further from the others than the body is long", left)
 
 
@@ -235,7 +235,7 @@ def _leaps(labels: Labels, limits: QualityLimits) -> Measure:
         step[1:] = moved
         step[:-1] = np.fmax(step[:-1], moved)
     far, least = QUALITY.leap_fall
-    left = falling(step, (limits.leap, far * limits.leap), least)
+    left = falling(step, (limits.leap, far * limits.leap, least))
     return Measure("{point} leaps further than any animal moves in one frame", left)
 
 
@@ -281,7 +281,7 @@ def _passes_apart(tracks: Tracks, labels: Labels) -> Measure:
     left = np.ones(labels.origin.shape)
     if "passes_apart" in tracks:
         apart = tracks["passes_apart"].isel(individual=0).to_numpy()
-        left = in_views(falling(apart, QUALITY.passes_fall[:2], QUALITY.passes_fall[2]), labels)
+        left = in_views(falling(apart, QUALITY.passes_fall), labels)
     return Measure("passes forwards and backwards disagree about {point}", left)
 
 
@@ -290,17 +290,13 @@ def _views_disagree(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Me
     if "image_residual" in tracks:
         off = tracks["image_residual"].isel(individual=0).to_numpy() / labels.body_px[:, None]
     far, least = QUALITY.disagree_fall
-    left = falling(off, (limits.right, far * limits.right), least)
+    left = falling(off, (limits.right, far * limits.right, least))
     return Measure("the picture has {point} elsewhere than the other views", left)
 
 
 def _hardly_recognised(tracks: Tracks, labels: Labels) -> Measure:
     confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
-    left = np.where(
-        labels.found,
-        falling(1.0 - confidence, QUALITY.hardly_fall[:2], QUALITY.hardly_fall[2]),
-        1.0,
-    )
+    left = np.where(labels.found, falling(1.0 - confidence, QUALITY.hardly_fall), 1.0)
     return Measure("{point} is hardly recognised", left)
 
 

@@ -19,10 +19,10 @@ from pawnb.core.pose.fit.candidates.leg_candidates import with_candidates
 from pawnb.core.pose.fit.candidates.viterbi_path import improve_viterbi_path
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.observation import evidence_of, observe
-from pawnb.core.pose.fit.parallel import side_by_side
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.sequence.first_frame import start_prior
 from pawnb.core.pose.fit.sequence.one_direction import follow
+from pawnb.core.pose.fit.sequence.parallel import side_by_side
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 from pawnb.core.pose.fit.sequence.state import Followed
 from pawnb.core.pose.fit.steps import Steps

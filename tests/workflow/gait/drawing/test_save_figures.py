@@ -13,8 +13,8 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import analyse_events
 from pawnb.workflow.gait import save_figures
-from pawnb.workflow.gait.drawings import gait_drawings
-from pawnb.workflow.gait.save_figures import save_gait_figures
+from pawnb.workflow.gait.drawing.drawings import gait_drawings
+from pawnb.workflow.gait.drawing.save_figures import save_gait_figures
 
 mpl.use("Agg")
 

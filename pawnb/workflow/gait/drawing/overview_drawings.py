@@ -14,7 +14,7 @@ from pawnb.gait import GaitTables
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals, centre_signals, cut_cycles
 from pawnb.gait.cycles.tests import compare_cycles
 from pawnb.gait.phases.density import phase_density
-from pawnb.workflow.gait.drawings import Drawing, make_drawing
+from pawnb.workflow.gait.drawing.drawings import Drawing, make_drawing
 from pawnb.workflow.gait.statistics import Groups, is_paired, known_measures, with_group
 
 

@@ -17,7 +17,7 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.files import distinct_name, whole_file
 from pawnb.io.tables import write_table
-from pawnb.workflow.gait.drawings import Drawing
+from pawnb.workflow.gait.drawing.drawings import Drawing
 
 Which = Literal["all", "main", "none"]
 MAIN = ("gait_diagram", "phase_rose")
@@ -41,8 +41,8 @@ def save_gait_figures(
     Parameters
     ----------
     drawings : iterable of Drawing
-        What to draw: of :func:`~pawnb.workflow.gait.drawings.gait_drawings`, of
-        :func:`~pawnb.workflow.gait.source_drawings.source_drawings`.
+        What to draw: of :func:`~pawnb.workflow.gait.drawing.drawings.gait_drawings`, of
+        :func:`~pawnb.workflow.gait.drawing.source_drawings.source_drawings`.
     folder : str or Path
         Folder to write; made where it is absent.
     record : mapping

@@ -13,7 +13,7 @@ import pandas as pd
 from pawnb import figures
 from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import write_table
-from pawnb.workflow.gait.save_figures import save_figure
+from pawnb.workflow.gait.drawing.save_figures import save_figure
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.record import build_step, file_checksum
 from pawnb.workflow.provenance.results import make_folder

@@ -9,7 +9,7 @@ from test_save_figures import events
 from pawnb.errors import InputError
 from pawnb.gait import analyse_events, pool
 from pawnb.gait.cycles import LegSignals
-from pawnb.workflow.gait.overview_drawings import (
+from pawnb.workflow.gait.drawing.overview_drawings import (
     curve_clusters,
     group_of_animals,
     overview_drawings,

@@ -16,8 +16,8 @@ from pawnb.core.paws.maghsoudi2019.template import load_template
 from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
 from pawnb.trial import Animal, Trial
-from pawnb.workflow.gait.drawings import gait_drawings
-from pawnb.workflow.gait.source_drawings import SourceTracks, source_drawings
+from pawnb.workflow.gait.drawing.drawings import gait_drawings
+from pawnb.workflow.gait.drawing.source_drawings import SourceTracks, source_drawings
 
 mpl.use("Agg")
 

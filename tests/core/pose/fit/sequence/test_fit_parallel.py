@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from pawnb.core.pose.fit.parallel import side_by_side
+from pawnb.core.pose.fit.sequence.parallel import side_by_side
 from pawnb.core.pose.fit.steps import Steps
 
 

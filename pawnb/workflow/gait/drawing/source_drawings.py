@@ -19,7 +19,7 @@ from pawnb.io.native import points3d_table
 from pawnb.kinematics import swing_direction
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.signals import find_runs
-from pawnb.workflow.gait.drawings import Drawing, make_drawing
+from pawnb.workflow.gait.drawing.drawings import Drawing, make_drawing
 
 _FEWEST_STRIDES = 1.0
 _SHOWN_STRIDES = 2.0
