@@ -128,18 +128,14 @@ def analyse_space(
     across = None
     if up is not None or found_body.from_points:
         across = _smooth(frame.lateral(feet.positions, up=up), scales.cutoff_hz, fs, max_gap)
-    kinds = (
-        (None if feet.angle_deg is None else turning, LEG_ANGLE, "deg"),
-        (position, POSITION, feet.unit), (height, HEIGHT, feet.unit), (across, LATERAL, feet.unit),
-    )  # fmt: skip
-    signals = [
-        LegSignals(**who, legs=feet.legs, time_s=grid.time_s, samples=x, signal=name, unit=unit)
-        for x, name, unit in kinds
-        if x is not None
-    ]
+    found = {
+        LEG_ANGLE: None if feet.angle_deg is None else turning,
+        POSITION: position, HEIGHT: height, LATERAL: across,
+    }  # fmt: skip
     result = SpaceResult(
-        events=[], dropped=[], gaps=[], motion=motion, notes=notes, signals=signals
-    )
+        events=[], dropped=[], gaps=[], motion=motion, notes=notes,
+        signals=_leg_signals(found, feet, grid, who),
+    )  # fmt: skip
     for k, leg in enumerate(feet.legs):
         bridged = ~np.isfinite(raw[:, k])
         where = extremes[k]
@@ -155,9 +151,23 @@ def analyse_space(
             speed = speed_over_substrate(
                 velocity[:, k], belt_here, where, follow=treadmill and belt_here is not belt
             )
-            found = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
-            _add_contacts(result, leg, *found, grid)
+            contacts = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
+            _add_contacts(result, leg, *contacts, grid)
     return result
+
+
+def _leg_signals(
+    found: Mapping[str, FloatArray | None], feet: FootPaths, grid: Grid, who: Mapping[str, str]
+) -> list[LegSignals]:
+    """Return what was measured of all legs over time, as signals of their names and units."""
+    return [
+        LegSignals(
+            **who, legs=feet.legs, time_s=grid.time_s, samples=samples, signal=name,
+            unit="deg" if name == LEG_ANGLE else feet.unit,
+        )
+        for name, samples in found.items()
+        if samples is not None
+    ]  # fmt: skip
 
 
 def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, BoolArray]:

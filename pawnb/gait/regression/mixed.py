@@ -167,13 +167,13 @@ def fit_mixed(
     frame["n"], frame["n_animals"], frame["method"] = len(y), k, found.methods
     sd_trials = spread["trial"] if trial_codes is not None else math.nan
     whole = sum(spread[name] ** 2 for name in ("animal", "trial") if name in spread) + residual
-    notes = [] if converged else ["the fit did not converge: do not use it"]
-    if spread["animal"] ** 2 <= 1e-6 * residual:
-        notes.append("no variance between animals found; with few animals this is no proof")
-    notes += _blind_notes(design, names, codes, random)
     if not found.identified:
-        notes.append(_NOT_IDENTIFIED)
         frame[["ci_low", "ci_high", "p"]] = math.nan
+    notes = [
+        *_notes_on_fit(converged, none_between=spread["animal"] ** 2 <= 1e-6 * residual),
+        *_blind_notes(design, names, codes, random),
+        *([] if found.identified else [_NOT_IDENTIFIED]),
+    ]
     icc_low = icc_high = math.nan
     if blocks.names == ["animal"]:
         icc_low, icc_high = icc_interval(y, known["animal"].tolist(), design=design, level=level)
@@ -184,6 +184,14 @@ def fit_mixed(
         sd_slopes={name: spread[name] for name in parts if name != "animal"},
         n=len(y), n_animals=k, note="; ".join(notes),
     )  # fmt: skip
+
+
+def _notes_on_fit(converged: bool, *, none_between: bool) -> list[str]:
+    """Return what to know of how the fit went, and of the variance between animals."""
+    notes = [] if converged else ["the fit did not converge: do not use it"]
+    if none_between:
+        notes.append("no variance between animals found; with few animals this is no proof")
+    return notes
 
 
 def _finite_outcome(known: pd.DataFrame, outcome: str, design: FloatArray) -> FloatArray:

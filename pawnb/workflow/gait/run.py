@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,13 +15,14 @@ from pawnb.errors import InputError
 from pawnb.gait import EventSettings, GaitTables
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
+from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events.event_edits import FILE_NAME
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import build_settings
 from pawnb.workflow.gait.drawing.drawings import Drawing, gait_drawings
 from pawnb.workflow.gait.drawing.overview_drawings import overview_drawings
 from pawnb.workflow.gait.drawing.save_figures import Which, save_gait_figures
-from pawnb.workflow.gait.drawing.source_drawings import source_drawings
+from pawnb.workflow.gait.drawing.source_drawings import SourceTracks, source_drawings
 from pawnb.workflow.gait.inputs import (
     analyse_source,
     check_alike,
@@ -211,47 +211,78 @@ def carry_out(
         step = record_of(
             request, sources, edits, tables=tables, study=study, command=command, again=again
         )
-        named = {
-            k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
-        }
-        seen = tracks_of(sources, request.legs)
-        named_tracks = [(one.tracks, one.animal, one.trial) for one in seen]
-        angles = joint_angles_of(named_tracks)
-        fields = covariates_of(parts, [source.fields for source in sources])
-        further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
-        joints = joint_signals_of(named_tracks)
-        further |= tables_of_study(tables, groups=named, joints=joints, fields=fields)
-        try:
-            further |= size_tables(tables.strides, fields)
-        except InputError as error:
-            remarks.append(f"gait is not compared with size: {error}")
-            fields = {}
-        remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
-        tables = dataclasses.replace(tables, notes=tuple(remarks))
-        every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
-        unit = length_unit(tables)
-        drawings = itertools.chain(
-            gait_drawings(
-                tables, groups=named, notes=[*_notes_of(sources, tables), *warned],
-                references=reference_lines(tables.strides, fields, unit=unit),
-            ),
-            overview_drawings(tables, groups=named, joints=joints),
-            source_drawings(seen, angles=angles),
-            _drawings_of_study(tables, fields, study, unit=unit),
-        )  # fmt: skip
+        found = _findings(request, sources, parts, tables=tables)
+        tables = found.tables
+        drawings = _drawings(found, study, notes=[*_notes_of(sources, tables), *warned])
         with writing_results(folder, run="gait", steps=[step]) as staging:
-            files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
+            files = [
+                write_table(table, staging / f"{name}.csv") for name, table in found.every.items()
+            ]
             files += save_gait_figures(
                 drawings, staging / "figures", record=step, which=request.figures,
                 only=None if again is None else again.only,
             )  # fmt: skip
             notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
             said = methods_paragraphs(
-                tables, every, step=step, tracked=[one.tracks for one in seen]
+                tables, found.every, step=step, tracked=[one.tracks for one in found.seen]
             )
-            files += _write_words(every, files, notes=notes, said=said, folder=staging)
+            files += _write_words(found.every, files, notes=notes, said=said, folder=staging)
         written = [folder / file.relative_to(staging) for file in files]
     return GaitRun(tables, folder, (*written, folder / MANIFEST))
+
+
+@dataclass(frozen=True)
+class _Findings:
+    """All that is written and drawn: tables by name, and what figures need besides."""
+
+    tables: GaitTables
+    every: dict[str, pd.DataFrame]
+    groups: Groups
+    fields: Fields
+    seen: Sequence[SourceTracks]
+    angles: pd.DataFrame | None
+    joints: Sequence[LegSignals]
+
+
+def _findings(
+    request: GaitRequest,
+    sources: Sequence[GaitSource],
+    parts: Sequence[GaitTables],
+    *,
+    tables: GaitTables,
+) -> _Findings:
+    """Return the tables of all sources with those that are made of them."""
+    groups = {
+        k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
+    }
+    seen = tracks_of(sources, request.legs)
+    named_tracks = [(one.tracks, one.animal, one.trial) for one in seen]
+    angles = joint_angles_of(named_tracks)
+    fields = covariates_of(parts, [source.fields for source in sources])
+    further, remarks = _further_tables(tables, sources, groups=groups, angles=angles)
+    joints = joint_signals_of(named_tracks)
+    further |= tables_of_study(tables, groups=groups, joints=joints, fields=fields)
+    try:
+        further |= size_tables(tables.strides, fields)
+    except InputError as error:
+        remarks.append(f"gait is not compared with size: {error}")
+        fields = {}
+    remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
+    tables = dataclasses.replace(tables, notes=tuple(remarks))
+    every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further
+    return _Findings(tables, every, groups, fields, seen, angles, joints)
+
+
+def _drawings(found: _Findings, study: Study | None, *, notes: Sequence[str]) -> Iterator[Drawing]:
+    """Yield every figure, in the order in which they are drawn."""
+    tables, unit = found.tables, length_unit(found.tables)
+    yield from gait_drawings(
+        tables, groups=found.groups, notes=notes,
+        references=reference_lines(tables.strides, found.fields, unit=unit),
+    )  # fmt: skip
+    yield from overview_drawings(tables, groups=found.groups, joints=found.joints)
+    yield from source_drawings(found.seen, angles=found.angles)
+    yield from _drawings_of_study(tables, found.fields, study, unit=unit)
 
 
 def _write_words(

@@ -44,7 +44,7 @@ class Learnt:
         return Learnt(inside, self.agreement)
 
     def working(self, stack: BodyStack) -> dict[int, Lesson]:
-        """Return the lessons with positions in working px of a stack of the same rows."""
+        """Return the examples with positions in working px of a stack of the same rows."""
         return {
             row: _moved(own, stack.to_body[row, :, :2], stack.to_body[row, :, 2])
             for row, own in self.lessons.items()
@@ -173,7 +173,7 @@ def learnt_of(tracks: Tracks, points: Sequence[str], first: int) -> dict[str, Le
 
 
 def _moved(lesson: Lesson, turned: np.ndarray, shifted: np.ndarray) -> Lesson:
-    """Return a lesson whose positions have gone through an affine map."""
+    """Return an example whose positions have gone through an affine map."""
     return Lesson(
         {p: turned @ xy + shifted for p, xy in lesson.points.items()},
         [turned @ xy + shifted for xy in lesson.doubtful],

@@ -155,7 +155,7 @@ class PawLook(Appearance):
 def clicked_lessons(
     scene: Scene, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
 ) -> dict[int, PawLesson]:
-    """Return what clicks teach: frame to lesson.
+    """Return what clicks teach: frame to example.
 
     A paw that is clicked in other views only may be in sight.
 
@@ -171,7 +171,7 @@ def clicked_lessons(
     Returns
     -------
     dict
-        Frame to lesson.
+        Frame to example.
     """
     lessons = {}
     views = range(len(layout.views))
@@ -192,7 +192,7 @@ def clicked_lessons(
 def tracked_lessons(
     refined: SmoothedTracks, scene: Scene, tracked: np.ndarray, *, first: int
 ) -> dict[int, PawLesson]:
-    """Return what tracks teach where they are certain and the paw was seen: frame to lesson.
+    """Return what tracks teach where they are certain and the paw was seen: frame to example.
 
     Parameters
     ----------
@@ -208,7 +208,7 @@ def tracked_lessons(
     Returns
     -------
     dict
-        Frame to lesson.
+        Frame to example.
     """
     shown = scene.projection.project(refined.x)  # (n, P, V, 2)
     seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
@@ -234,7 +234,7 @@ def with_paw_looks(
     lessons: Mapping[int, PawLesson],
     parameters: AppearanceParameters,
 ) -> Scene:
-    """Return a scene with looks that are learnt from lessons.
+    """Return a scene with appearances that are learnt from examples.
 
     Parameters
     ----------
@@ -252,7 +252,7 @@ def with_paw_looks(
     Returns
     -------
     Scene
-        The same scene with other looks.
+        The same scene with other appearances.
     """
     pictures = _pictures(views, layout, scene, lessons)
     levels = np.concatenate([grey(p.pixels).ravel()[::7] for p in pictures])
@@ -311,7 +311,7 @@ class _Picture:
 def _pictures(
     views: Views, layout: Layout, scene: Scene, lessons: Mapping[int, PawLesson]
 ) -> list[_Picture]:
-    """Return the searched part of each view of each lesson."""
+    """Return the searched part of each view of each example."""
     found = []
     for frame, lesson in sorted(lessons.items()):
         opened = views.frame(frame)

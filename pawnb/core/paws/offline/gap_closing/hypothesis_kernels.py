@@ -50,7 +50,7 @@ class ProcessNoise(NamedTuple):
     Parameters
     ----------
     plain, kicked, lifted : ndarray, shape (3 d (3 d + 1) / 2,)
-        Covariances of what happens between two frames: usually, where a point is kicked,
+        Covariances of what happens between two frames: usually, where a point gets an impulse,
         and where it lifts off.
     substrate_velocity, liftoff_velocity : ndarray, shape (d,)
         Speed of the ground, and how much lift-off changes that of a point.
@@ -171,20 +171,20 @@ def predict(
     impulse_cost: float,
     lifting: float,
 ) -> int:
-    """Go on by one frame: every hypothesis plainly, and with a kick.
+    """Go on by one frame: every hypothesis plainly, and with an impulse.
 
-    What stands goes with the ground, whatever is seen; a kick is its lift-off.
+    What stands goes with the ground, whatever is seen; an impulse is its lift-off.
 
     Parameters
     ----------
     now, then : HypothesisBank
-        The hypotheses, and where they go: first as they go on plainly, then as they are kicked.
+        The hypotheses, and where they go: first as they go on plainly, then with an impulse.
     n : int
         How many there are.
     process_noise : ProcessNoise
         How they go on.
     impulse_cost, lifting : float
-        Cost of a kick, and of lifting off.
+        Cost of an impulse, and of lifting off.
 
     Returns
     -------

@@ -2,7 +2,7 @@
 
 Between two certain tracklets a point may be occluded, half occluded, or seen by one view only, and
 what looks like it may belong to another. Each hypothesis carries a Kalman state;
-in every frame and view it may take in a detection or none, and it may be kicked: a paw that
+in every frame and view it may take in a detection or none, and it may get an impulse: a paw that
 lifts off changes its speed at once. Only the likeliest hypotheses are kept, and the tracklet that
 follows decides between them: multiple hypothesis tracking (Reid 1979, IEEE Trans. Automat.
 Contr. 24: 843-854) with the end known.

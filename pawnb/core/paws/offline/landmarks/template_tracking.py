@@ -1,7 +1,7 @@
 """Following landmarks (nose, ears, tail, marks on the back) by their own picture.
 
 Paws are found by their colour and their shape, and they swing; what else is clicked on an
-animal is a patch of its surface, which keeps its look and moves little from frame to frame.
+animal is a patch of its surface, which keeps its appearance and moves little from frame to frame.
 In each view the patch is taken on by optical flow (Lucas & Kanade 1981, pyramidal: Bouguet
 2001), then aligned with the patch as it was clicked, so that errors do not add up. Where
 the look has changed for good, a later patch serves as well. Where nothing looks alike, the

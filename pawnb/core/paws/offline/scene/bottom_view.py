@@ -1,4 +1,4 @@
-"""A view from below leads: feet do not hide each other there, so it decides alone who is who.
+"""A view from below leads: feet do not hide each other there, so it decides the association alone.
 
 Seen from the side, feet hide each other and what they stand on looks like them, and every
 detection from below pairs with several from the side. Paths are then chosen among the

@@ -243,7 +243,7 @@ class Geometry(Protocol):
         ...
 
     def appearance_cost(self, total: np.ndarray) -> np.ndarray:
-        """Return what the look of tracklets counts against them, of the costs of their places."""
+        """Return what appearance counts against tracklets, of the costs of their places."""
         ...
 
     def as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:

@@ -102,7 +102,7 @@ def read_scene(
     layout : Layout
         Which point is tracked in which view.
     clicks : mapping
-        Frame to positions placed by hand, from which the look of the paws is learnt.
+        Frame to positions placed by hand, from which the appearance of paws is learnt.
     anchors : mapping
         Frame to positions that tracks pass through.
     settings : OfflineSettings

@@ -21,7 +21,7 @@ from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 def learn_appearance(
     views: Views, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
 ) -> list[Appearance]:
-    """Learn the look of the paws in every view.
+    """Learn the appearance of paws in every view.
 
     Colours are the same in all views, so one look is learnt from all clicks. Grey levels are
     not: light comes from one side, and a mirror or a glass floor dims. There each view

@@ -160,7 +160,7 @@ class _Views(ABC):
         return np.zeros((len(tracked_in_view), len(at)))
 
     def appearance_cost(self, total: np.ndarray) -> np.ndarray:
-        """Return that the look of places counts as they are linked, and not once more."""
+        """Return that the appearance of places counts as they are linked, and not once more."""
         return np.zeros_like(total)
 
     def as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:

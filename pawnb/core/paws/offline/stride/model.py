@@ -37,5 +37,5 @@ class StrideModel:
 
     @property
     def is_known(self) -> bool:
-        """Whether places can be told: two strides tell a rhythm and swings, but no cycle."""
+        """Whether it says where points are: two strides give a rhythm and swings, but no cycle."""
         return self.cycle is not None or self.swings is not None

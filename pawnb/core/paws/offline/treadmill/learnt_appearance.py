@@ -1,4 +1,4 @@
-"""Paws tracked by strides and stance where their look is learnt: twice, the second from the first.
+"""Paws tracked by strides and stance, their appearance learnt twice: the second from the first.
 
 Which detections belong to which paw is decided as where colour tells them
 (:mod:`.offline.treadmill`): detections of calibrated views meet in space, tracklets are

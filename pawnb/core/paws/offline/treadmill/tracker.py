@@ -232,7 +232,7 @@ def scan_and_follow(
     store : DetectionCache or None
         Where detections are kept.
     task : TrackingRequest
-        Who is told how far it is.
+        Whom progress is reported to.
 
     Returns
     -------

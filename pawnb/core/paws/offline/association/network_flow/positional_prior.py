@@ -71,7 +71,7 @@ def learn_positional_prior(
     axes : sequence of ndarray, shape (d,)
         Unit vectors.
     groups : sequence
-        For each axis the group of each point; points of one group share their habit.
+        For each axis the group of each point; points of one group share their prior.
     body_scale : float
         Distance of front from hind paws.
 

@@ -98,18 +98,7 @@ class TrackletAssociator:
         self.body_frames = max(3, round(settings.body_s * fps))
         geometry = scene.geometry
         places = geometry.hypotheses(found, most=settings.max_hypotheses, likelihood=likelihood)
-        dearest = NETWORK_FLOW.tracklet_association_dearest[0]
-        for t, here in anchors.items():
-            dearest = max(
-                dearest,
-                _dearest_click(places[t], here, scene.paw_width)
-                + NETWORK_FLOW.tracklet_association_worse,
-            )
-            away = places[t].distance(np.stack(list(here.values())))
-            free = away > NETWORK_FLOW.click_alone * scene.paw_width
-            if t == 0:
-                free[:] = False
-            places[t] = places[t].take(free)
+        dearest = _take_out_anchors(places, anchors, scene.paw_width)
         self._usual = where_kinds_are(places, anchors, scene, kinds=kinds, frames=self.body_frames)
         self.motion_model = _motion_model(places, scene, fps, settings)
         noise, speed = (
@@ -125,19 +114,9 @@ class TrackletAssociator:
             NETWORK_FLOW.dearest_linked,
         )
         tracklets = build_tracklets(places, linking)
-        self.tracklets = [
-            tracklet
-            for tracklet, cost in zip(tracklets, total_costs(tracklets), strict=True)
-            if cost / len(tracklet.detection_indices)
-            < (
-                min(dearest, NETWORK_FLOW.tracklet_association_dearest[1])
-                if len(tracklet.detection_indices) > 1
-                else NETWORK_FLOW.dearest_single
-            )
-        ]
         self._clicked = 1 + max(p for here in anchors.values() for p in here)
         contralateral = len(kinds) - self._clicked
-        self.tracklets = self._cut(self.tracklets, fps)
+        self.tracklets = self._cut(_cheap_enough(tracklets, dearest), fps)
         occlusion_frame_cost = settings.occlusion_rate_cost / fps
         costs = FlowCosts(
             self.motion_model.acceleration,
@@ -233,7 +212,7 @@ class TrackletAssociator:
                 positional_prior=positional_prior,
                 body_scale=body_scale,
             )
-            # habits learnt while near and far paws changed places would keep them so
+            # a prior learnt while near and far paws changed places would keep them so
             side = side_cost(self.tracklets, self.anchors, self.scene, body=body, kinds=self.kinds)
             x = self._choose(NETWORK_FLOW.tracklet_association_habit * prior + side)
         if self._clicked == len(self.kinds):
@@ -279,6 +258,33 @@ class TrackletAssociator:
             for p, at in here.items():
                 x[t, p] = at
         return x
+
+
+def _take_out_anchors(places: list[PointHypotheses], anchors: Anchors, paw_width: float) -> float:
+    """Take out of ``places`` what is where points were placed; return what a place may cost."""
+    dearest = NETWORK_FLOW.tracklet_association_dearest[0]
+    for t, here in anchors.items():
+        dearest = max(
+            dearest,
+            _dearest_click(places[t], here, paw_width) + NETWORK_FLOW.tracklet_association_worse,
+        )
+        away = places[t].distance(np.stack(list(here.values())))
+        free = away > NETWORK_FLOW.click_alone * paw_width
+        if t == 0:
+            free[:] = False
+        places[t] = places[t].take(free)
+    return dearest
+
+
+def _cheap_enough(tracklets: Sequence[Tracklet], dearest: float) -> list[Tracklet]:
+    """Return the tracklets whose places cost less than they may on average."""
+    most = min(dearest, NETWORK_FLOW.tracklet_association_dearest[1])
+    return [
+        tracklet
+        for tracklet, cost in zip(tracklets, total_costs(tracklets), strict=True)
+        if cost / len(tracklet.detection_indices)
+        < (most if len(tracklet.detection_indices) > 1 else NETWORK_FLOW.dearest_single)
+    ]
 
 
 def _dearest_click(

@@ -42,7 +42,7 @@ _FILTERS = 8
 
 @dataclass(frozen=True)
 class Appearance:
-    """The look of the paws in one view.
+    """The appearance of paws in one view.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def learn(
     around_px: int,
     backgrounds: Sequence[np.ndarray | None] | None = None,
 ) -> Appearance:
-    """Learn the look of the paws in one view.
+    """Learn the appearance of paws in one view.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def learn(
     Returns
     -------
     Appearance
-        The learnt look, without a background.
+        The learnt appearance, without a background.
     """
     lesson = _prepare(pictures, clicks, around_px, backgrounds or [None] * len(pictures))
     look = lesson.learn()
@@ -154,7 +154,7 @@ def learn(
 
 @dataclass(frozen=True)
 class _Lesson:
-    """What the look of the paws is learnt from; see :func:`learn`."""
+    """What the appearance of paws is learnt from; see :func:`learn`."""
 
     pictures: Sequence[np.ndarray]
     clicks: Sequence[np.ndarray]
@@ -185,7 +185,7 @@ class _Lesson:
         ]
 
     def learn(self, fine_colours: FineColours | None = None) -> Appearance:
-        """Learn the look by the usual bins, or by finer steps of colour."""
+        """Learn the appearance by the usual bins, or by finer steps of colour."""
         # a grey animal has other parts as bright as its paws: the whole picture tells against them
         near, wides = (
             (COLOUR.colour_model_reach, COLOUR.colour_model_wide)
