@@ -13,7 +13,7 @@ from pawnb import gait
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import pose_values, put_pose
 from pawnb.core.pose.poses import leg_angles
-from pawnb.core.pose.space.tracker import _SpaceSolver
+from pawnb.core.pose.space import pipeline
 from pawnb.core.video import open_views
 from pawnb.errors import CalibrationError, InputError, InputWarning
 from pawnb.io.native import read_tracks, tracks_table
@@ -129,13 +129,13 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
     wrong["image_origin"][:], wrong["origin"][:] = tracks["image_origin"], tracks["origin"]
     wrong["position"][16:20] = np.nan
     wrong = put_pose(wrong, int(numbers[18]), pose_values(animal, poses.poses.take([18])))
-    settled, plain = set(), _SpaceSolver._settle
+    settled, plain = set(), pipeline._with_neighbours
 
-    def settle(self, k, **options):
-        settled.add(int(self.numbers[k]))
-        plain(self, k, **options)
+    def with_neighbours(state, k):
+        settled.add(int(state.recording.numbers[k]))
+        return plain(state, k)
 
-    monkeypatch.setattr(_SpaceSolver, "_settle", settle)
+    monkeypatch.setattr(pipeline, "_with_neighbours", with_neighbours)
     monkeypatch.setattr(retrack_pose, "_BESIDE", 3)
     again = retrack(load_trial(two_views), wrong, int(numbers[18]))
     begin, end = provenance_steps(again)[-1]["frames"]
@@ -153,18 +153,18 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
 def test_joints_in_space_go_on_where_they_were_stopped(found, two_views, tmp_path, monkeypatch):
     whole, _ = found
     taken, fitted = [], []
-    take_over, alone = _SpaceSolver._take_over, _SpaceSolver._alone
+    take_over, alone = pipeline._take_over, pipeline._alone
 
-    def take_over_too(self, k, *, step):
+    def take_over_too(state, k, other):
         taken.append(k)
-        take_over(self, k, step=step)
+        return take_over(state, k, other)
 
-    def alone_too(self, k):
+    def alone_too(state, k):
         fitted.append(k)
-        alone(self, k)
+        return alone(state, k)
 
-    monkeypatch.setattr(_SpaceSolver, "_take_over", take_over_too)
-    monkeypatch.setattr(_SpaceSolver, "_alone", alone_too)
+    monkeypatch.setattr(pipeline, "_take_over", take_over_too)
+    monkeypatch.setattr(pipeline, "_alone", alone_too)
     part = track(two_views, out=tmp_path, stop=lambda: len(taken) >= 8)
     n = whole.sizes["time"]
     assert part.sizes["time"] == n
