@@ -83,11 +83,13 @@ def parameters_page() -> str:
     lines = [*heading("Parameters of the stages of trackers", "=")]
     lines += ["Set as ``--set STAGE.NAME=VALUE``, or under ``[tracking.STAGE]`` in ``trial.toml``."]
     for kind in ("paws", "pose"):
-        for tracker in trackers(kind).values():
-            for stage in tracker.stages:
-                own = type(defaults_of(stage))
-                lines += ["", *heading(f"{stage} (kind {kind})", "-")]
-                lines += [f".. autoclass:: {own.__module__}.{own.__qualname__}"]
+        # a stage that several methods share is said once
+        for stage in dict.fromkeys(
+            s for tracker in trackers(kind).values() for s in tracker.stages
+        ):
+            own = type(defaults_of(stage))
+            lines += ["", *heading(f"{stage} (kind {kind})", "-")]
+            lines += [f".. autoclass:: {own.__module__}.{own.__qualname__}"]
     return "\n".join(lines) + "\n"
 
 
