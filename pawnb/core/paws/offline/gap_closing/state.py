@@ -62,7 +62,8 @@ class TrackingState:
     kinds : sequence of str
         Kind of each point: those of one kind go as far.
     are_apart : bool
-        Whether places are known so well that two points keep their distance in space.
+        Whether places are known so well that two points keep their distance in space, and that
+        a point's own say how far it goes.
     """
 
     assignment: Assignment

@@ -76,21 +76,25 @@ def usual_region(
         Points that go as far, and the step (d,) from each to this one; see :func:`same_kind`.
         They are asked where the point itself is certain in few frames.
     are_apart : bool
-        Whether places are known so well that two points keep their distance.
+        Whether places are known so well that two points keep their distance, and that a point's
+        own say how far it goes.
 
     Returns
     -------
     UsualRegion
-        Without limits where they all are certain in few frames.
+        Without limits where they all are certain in few frames, or its own places are not asked.
     """
     axes = np.ascontiguousarray(motion_model.axes[:-1])
     low = np.full((len(frames), len(axes)), -np.inf)
     high = -low
     along = _about_body(sure, body, point, axes)
-    if len(along) < GAP_CLOSING.region_least:
+    is_own = len(along) >= GAP_CLOSING.region_least
+    if not is_own:
         others_alike = [_about_body(sure, body, p, axes) + step @ axes.T for p, step in alike]
         along = np.concatenate([along, *others_alike])
-    if body is not None and len(along) >= GAP_CLOSING.region_least:
+    # places that err show too little of swings to say how far the point itself goes
+    is_told = len(along) >= GAP_CLOSING.region_least and (are_apart or not is_own)
+    if body is not None and is_told:
         tail = GAP_CLOSING.region_tail
         few, most = np.quantile(along, (tail, 1.0 - tail), axis=0)
         spare = (GAP_CLOSING.region_ahead, GAP_CLOSING.region_aside)[: len(axes)]

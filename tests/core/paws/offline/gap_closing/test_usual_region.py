@@ -115,7 +115,10 @@ def test_places_that_are_known_poorly_keep_no_distance():
     body, frames = np.zeros((100, 3)), np.arange(10)
     given = {"frames": frames, "motion_model": SPACE}
     assert usual_region(sure, body, 0, **given).others.shape[1] == 1
-    assert usual_region(sure, body, 0, **given, are_apart=False).others.shape[1] == 0
+    poor = usual_region(sure, body, 0, **given, are_apart=False)
+    assert poor.others.shape[1] == 0
+    assert np.isfinite(usual_region(sure, body, 0, **given).high).all()
+    assert np.isinf(poor.high).all()  # nor do they say how far a point goes
 
 
 def test_a_hind_paw_that_is_not_seen_does_not_go_to_where_front_paws_are():
