@@ -15,6 +15,7 @@ from typing import Any
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pixels.colour import Picture
 from pawnb.errors import CalibrationError, InputError, VideoError, did_you_mean
 from pawnb.files import read_toml
@@ -40,7 +41,7 @@ class Lens:
     matrix: tuple[tuple[float, ...], ...]
     distortion: tuple[float, ...]
 
-    def straighten(self, uv: np.ndarray) -> np.ndarray:
+    def straighten(self, uv: FloatArray) -> FloatArray:
         """Return where positions (..., 2) of the filmed picture lie in the straightened one."""
         uv = np.asarray(uv, float)
         matrix = np.array(self.matrix)

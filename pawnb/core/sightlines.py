@@ -70,7 +70,7 @@ def find_epipolar_line(
     return _clip_line(np.cross(*ends), size)
 
 
-def find_fundamental_matrix(P_from: np.ndarray, P_to: np.ndarray) -> np.ndarray:
+def find_fundamental_matrix(P_from: FloatArray, P_to: FloatArray) -> FloatArray:
     """Return the matrix that takes a place in one view to its epipolar line in another.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from pawnb.arrays import IntArray
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
@@ -18,7 +18,7 @@ COLUMNS = ("frame", "difference", "threshold", "has_animal")
 
 
 def build_animal_presence_table(
-    frames: IntArray, difference: np.ndarray, *, threshold: float, has_animal: np.ndarray
+    frames: IntArray, difference: FloatArray, *, threshold: float, has_animal: BoolArray
 ) -> pd.DataFrame:
     """Put the differences of all frames and the threshold in a table.
 

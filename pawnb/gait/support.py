@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import ConvexHull, QhullError
 
-from pawnb.arrays import BoolArray, FloatArray
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.signals import find_runs
@@ -28,7 +28,7 @@ _NORMAL_SEQUENCES = {
 """Normal step sequences of four legs (cruciate, alternate, rotary): Cheng et al. 1997."""
 
 
-def wave_gait_margin(duty_factor: np.ndarray | float, *, n_legs: int) -> np.ndarray | float:
+def wave_gait_margin(duty_factor: FloatArray | float, *, n_legs: int) -> FloatArray | float:
     """Compute the longitudinal stability margin of a wave gait from its duty factor.
 
     ``S = n/4 * duty - 3/4`` in units of the stride length (Pullar 2009, appendix A, after Ting
@@ -79,10 +79,10 @@ class Stability(NamedTuple):
         along the heading misses the polygon or fewer than three feet are down.
     """
 
-    n_down: np.ndarray
-    area: np.ndarray
-    margin: np.ndarray
-    longitudinal_margin: np.ndarray
+    n_down: IntArray
+    area: FloatArray
+    margin: FloatArray
+    longitudinal_margin: FloatArray
 
 
 def static_stability(

@@ -72,7 +72,7 @@ def write_dltdv_points(
     return path
 
 
-def own_offsets(tracks: Tracks, frames: np.ndarray) -> np.ndarray:
+def own_offsets(tracks: Tracks, frames: np.ndarray) -> FloatArray:
     """Return the offsets (n_frames, n_views) of some frames of tracks.
 
     Parameters

@@ -64,7 +64,7 @@ class BodyWander:
     start_mm: FloatArray
     velocity_mm_s: FloatArray
     heading_deg: float
-    waves: dict[str, np.ndarray]
+    waves: dict[str, FloatArray]
 
     def _wave(self, name: str, t: FloatArray) -> FloatArray:
         amplitude, frequency, phase = self.waves[name].T[..., None]
@@ -170,7 +170,7 @@ class SpiderMotion:
 
     body: BodyWander
     feet: dict[str, FootMotion]
-    coxae_mm: dict[str, np.ndarray]
+    coxae_mm: dict[str, FloatArray]
     side: dict[str, int]
     frequency_hz: float
     duty_factor: float

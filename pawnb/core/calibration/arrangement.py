@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from pawnb.arrays import FloatArray
 from pawnb.core.calibration.corners import FEWEST_CORNERS
 from pawnb.errors import CalibrationError
 
@@ -34,16 +35,16 @@ class Arrangement:
         The camera whose axes they are.
     """
 
-    cameras: np.ndarray
-    boards: np.ndarray
-    uv: np.ndarray
+    cameras: FloatArray
+    boards: FloatArray
+    uv: FloatArray
     first: int
 
 
 def arrange(
-    corners: np.ndarray,
-    uv: np.ndarray,
-    lenses: np.ndarray,
+    corners: FloatArray,
+    uv: FloatArray,
+    lenses: FloatArray,
     *,
     names: tuple[str, ...],
     may_be_turned: bool,
@@ -104,7 +105,7 @@ def arrange(
 
 
 def place_boards(
-    corners: np.ndarray, uv: np.ndarray, rows: np.ndarray, *, may_be_turned: bool
+    corners: FloatArray, uv: FloatArray, rows: FloatArray, *, may_be_turned: bool
 ) -> Arrangement:
     """Place boards before cameras that are given.
 
@@ -142,7 +143,7 @@ def place_boards(
     return Arrangement(cameras, boards, uv, 0)
 
 
-def pose_of_board(corners: np.ndarray, uv: np.ndarray, lens: np.ndarray) -> Pose:
+def pose_of_board(corners: FloatArray, uv: FloatArray, lens: FloatArray) -> Pose:
     """Return where a board is before a camera; NaN where too few corners are seen.
 
     Parameters
@@ -172,17 +173,17 @@ def pose_of_board(corners: np.ndarray, uv: np.ndarray, lens: np.ndarray) -> Pose
     return pose
 
 
-def as_vectors(poses: np.ndarray) -> np.ndarray:
+def as_vectors(poses: FloatArray) -> FloatArray:
     """Return poses (n, 4, 4) as rotation vector and translation (n, 6)."""
     return np.hstack([Rotation.from_matrix(poses[:, :3, :3]).as_rotvec(), poses[:, :3, 3]])
 
 
 def _relation(
-    corners: np.ndarray,
-    uv: np.ndarray,
-    poses: np.ndarray,
+    corners: FloatArray,
+    uv: FloatArray,
+    poses: FloatArray,
     pair: tuple[int, int],
-    lens: np.ndarray,
+    lens: FloatArray,
     may_be_turned: bool,
 ) -> tuple[Pose, list[int]]:
     """Return how view b stands to view a, and in which shots b counts from the other end.
@@ -207,7 +208,7 @@ def _relation(
     return best, [int(s) for s in shots[turned]]
 
 
-def _errors(corners: np.ndarray, uv: np.ndarray, pose: Pose, lens: np.ndarray) -> list[float]:
+def _errors(corners: FloatArray, uv: FloatArray, pose: Pose, lens: FloatArray) -> list[float]:
     """Return the RMS error in px of a board so posed, counted from either end."""
     rvec = cv2.Rodrigues(pose[:3, :3])[0]
     shown = cv2.projectPoints(corners, rvec, pose[:3, 3], _matrix(lens), lens[4:9])[0][:, 0]
@@ -217,12 +218,12 @@ def _errors(corners: np.ndarray, uv: np.ndarray, pose: Pose, lens: np.ndarray) -
 
 
 def _boards(
-    corners: np.ndarray,
-    uv: np.ndarray,
-    poses: np.ndarray,
-    cameras: np.ndarray,
-    lenses: np.ndarray,
-) -> np.ndarray:
+    corners: FloatArray,
+    uv: FloatArray,
+    poses: FloatArray,
+    cameras: FloatArray,
+    lenses: FloatArray,
+) -> FloatArray:
     """Return where each board is in space: by the view whose word fits all views best."""
     n_views, n_shots = poses.shape[:2]
     boards = np.full((n_shots, 4, 4), np.nan)
@@ -240,7 +241,7 @@ def _boards(
     return boards
 
 
-def _matrix(lens: np.ndarray) -> np.ndarray:
+def _matrix(lens: FloatArray) -> FloatArray:
     """Return the camera matrix of a lens."""
     aspect, f, cx, cy = lens[:4]
     return np.array([[f, 0.0, cx], [0.0, aspect * f, cy], [0.0, 0.0, 1.0]])

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix, lil_matrix
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.calibration.optics import project_distorted, rotate
 
 _ROBUST_PX = 1.0
@@ -40,9 +41,9 @@ class ViewObservations:
         Where, px of the picture as filmed.
     """
 
-    view: np.ndarray
-    place: np.ndarray
-    uv: np.ndarray
+    view: IntArray
+    place: IntArray
+    uv: FloatArray
 
 
 class Structure(Protocol):
@@ -76,28 +77,28 @@ class Boards:
         Corners on the board. Point ``shot * n_corners + corner`` is that corner in that shot.
     """
 
-    poses: np.ndarray
-    corners: np.ndarray
+    poses: FloatArray
+    corners: FloatArray
 
-    def start(self) -> np.ndarray:
+    def start(self) -> FloatArray:
         """Return the poses."""
         return self.poses.ravel()
 
-    def points(self, free: np.ndarray) -> np.ndarray:
+    def points(self, free: FloatArray) -> FloatArray:
         """Return where the corners of all shots are."""
         poses = np.repeat(free.reshape(-1, 6), len(self.corners), axis=0)
         corners = np.tile(self.corners, (len(free) // 6, 1))
         return rotate(poses[:, :3], corners) + poses[:, 3:]
 
-    def columns(self, place: np.ndarray) -> np.ndarray:
+    def columns(self, place: IntArray) -> IntArray:
         """Return the pose of the shot of each point."""
         return 6 * (place // len(self.corners))[:, None] + np.arange(6)
 
-    def beside(self, xyz: np.ndarray) -> np.ndarray:  # noqa: ARG002
+    def beside(self, xyz: FloatArray) -> FloatArray:  # noqa: ARG002
         """Return nothing: rigid boards have no residual of their own."""
         return np.zeros(0)
 
-    def beside_columns(self) -> np.ndarray:
+    def beside_columns(self) -> IntArray:
         """Return nothing."""
         return np.zeros((0, 6), int)
 
@@ -149,18 +150,18 @@ class Adjusted:
         Its points.
     """
 
-    cameras: np.ndarray
-    free: np.ndarray
-    xyz: np.ndarray
+    cameras: FloatArray
+    free: FloatArray
+    xyz: FloatArray
 
-    def errors(self, seen: ViewObservations) -> np.ndarray:
+    def errors(self, seen: ViewObservations) -> FloatArray:
         """Return how far, px, each observation is from where its camera shows its point."""
         shown = project_distorted(self.cameras[seen.view], self.xyz[seen.place])
         return np.hypot(*(shown - seen.uv).T)
 
 
 def adjust(
-    seen: ViewObservations, cameras: np.ndarray, structure: Structure, *, is_free: np.ndarray
+    seen: ViewObservations, cameras: FloatArray, structure: Structure, *, is_free: BoolArray
 ) -> Adjusted:
     """Adjust cameras and structure to each other.
 
@@ -182,12 +183,12 @@ def adjust(
     """
     n_free = int(is_free.sum())
 
-    def parts(vector: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def parts(vector: FloatArray) -> tuple[FloatArray, FloatArray]:
         rows = cameras.copy()
         rows[is_free] = vector[:n_free]
         return rows, structure.points(vector[n_free:])
 
-    def residuals(vector: np.ndarray) -> np.ndarray:
+    def residuals(vector: FloatArray) -> FloatArray:
         rows, xyz = parts(vector)
         off = project_distorted(rows[seen.view], xyz[seen.place]) - seen.uv
         return np.r_[off.ravel(), structure.beside(xyz)]
@@ -210,7 +211,7 @@ def adjust(
 
 
 def _sparsity(
-    seen: ViewObservations, structure: Structure, is_free: np.ndarray, n: int
+    seen: ViewObservations, structure: Structure, is_free: BoolArray, n: int
 ) -> csr_matrix:
     """Return where the Jacobian is not zero."""
     number = np.full(is_free.shape, -1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.io.boards import Board
 
 FEWEST_CORNERS = 6
@@ -34,7 +35,7 @@ class CornerFinder:
         """Whether the corners may be counted from the other end: a checkerboard has no marks."""
         return self.board.marker is None
 
-    def find(self, grey: np.ndarray) -> np.ndarray:
+    def find(self, grey: ByteArray) -> FloatArray:
         """Find the corners in one picture.
 
         Parameters
@@ -75,7 +76,7 @@ def _detectors(board: Board, marker: float) -> tuple[cv2.aruco.CharucoDetector, 
     return tuple(detectors)
 
 
-def _pixel_origin(board: Board, detector: cv2.aruco.CharucoDetector) -> np.ndarray:
+def _pixel_origin(board: Board, detector: cv2.aruco.CharucoDetector) -> FloatArray:
     """Return where the detector counts pixels from: (0, 0), or (0.5, 0.5) in OpenCV before 5.
 
     Told by the board as it is drawn, whose corners lie on the edges of pixels.
@@ -90,7 +91,7 @@ def _pixel_origin(board: Board, detector: cv2.aruco.CharucoDetector) -> np.ndarr
     return np.round(2.0 * np.median(np.reshape(corners, (-1, 2)) - drawn, axis=0)) / 2.0
 
 
-def _checkerboard(grey: np.ndarray, shape: tuple[int, int]) -> np.ndarray | None:
+def _checkerboard(grey: ByteArray, shape: tuple[int, int]) -> np.ndarray | None:
     """Find the inner corners of a checkerboard, or None."""
     flags = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE
     found, corners = cv2.findChessboardCornersSB(grey, shape, flags=flags)

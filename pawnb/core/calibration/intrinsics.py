@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.calibration.corners import FEWEST_CORNERS
 from pawnb.errors import CalibrationError
 
@@ -59,13 +60,13 @@ class LensFit:
         Root mean square error of the corners in this view alone.
     """
 
-    lens: np.ndarray
+    lens: FloatArray
     model: str
     free: tuple[str, ...]
     rms_px: float
 
 
-def fit_lens(corners: np.ndarray, uv: np.ndarray, *, size: tuple[int, int], view: str) -> LensFit:
+def fit_lens(corners: FloatArray, uv: FloatArray, *, size: tuple[int, int], view: str) -> LensFit:
     """Find focal length and distortion of one view.
 
     Parameters

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError
 from pawnb.io.cameras import Camera
 
@@ -21,7 +22,7 @@ LENS = slice(0, 9)
 POSE = slice(9, 15)
 
 
-def project_distorted(cameras: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+def project_distorted(cameras: FloatArray, xyz: FloatArray) -> FloatArray:
     """Project points through lenses that bend, each by its own camera.
 
     Parameters
@@ -74,7 +75,7 @@ def show_points(camera: Camera, xyz: np.ndarray) -> np.ndarray:
     return np.where((before & (r2 < real.min(initial=np.inf)))[:, None], shown, np.nan)
 
 
-def rotate(rotvec: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+def rotate(rotvec: FloatArray, xyz: FloatArray) -> FloatArray:
     """Turn points (n, 3), each by its own rotation vector (n, 3)."""
     angle = np.linalg.norm(rotvec, axis=1, keepdims=True)
     axis = rotvec / np.where(angle > 0, angle, 1.0)
@@ -83,7 +84,7 @@ def rotate(rotvec: np.ndarray, xyz: np.ndarray) -> np.ndarray:
     return cos * xyz + sin * np.cross(axis, xyz) + (1.0 - cos) * along * axis
 
 
-def row_of_camera(camera: Camera) -> np.ndarray:
+def row_of_camera(camera: Camera) -> FloatArray:
     """Return a camera as a row of numbers.
 
     Parameters
@@ -113,7 +114,7 @@ def row_of_camera(camera: Camera) -> np.ndarray:
     return np.r_[K[1, 1] / K[0, 0], K[0, 0], K[0, 2], K[1, 2], bent, rotvec, camera.translation]
 
 
-def camera_of_row(row: np.ndarray, *, name: str, size: tuple[int, int]) -> Camera:
+def camera_of_row(row: FloatArray, *, name: str, size: tuple[int, int]) -> Camera:
     """Return the camera that a row of numbers is.
 
     Parameters
@@ -140,7 +141,7 @@ def camera_of_row(row: np.ndarray, *, name: str, size: tuple[int, int]) -> Camer
     )
 
 
-def moved(row: np.ndarray, rotation: np.ndarray, translation: np.ndarray) -> np.ndarray:
+def moved(row: FloatArray, rotation: FloatArray, translation: FloatArray) -> FloatArray:
     """Return a camera as it stands in other axes.
 
     Parameters

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial.transform import Rotation
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.calibration.arrangement import Arrangement, arrange, as_vectors, place_boards
 from pawnb.core.calibration.bundle import Adjusted, Boards, ViewObservations, adjust
 from pawnb.core.calibration.corners import FEWEST_CORNERS
@@ -43,8 +44,8 @@ class Sightings:
 
     names: tuple[str, ...]
     sizes: tuple[tuple[int, int], ...]
-    corners: np.ndarray
-    uv: np.ndarray
+    corners: FloatArray
+    uv: FloatArray
     may_be_turned: bool = False
 
 
@@ -194,8 +195,8 @@ def find_outlying_views(shots: pd.DataFrame) -> list[str]:
 def _without_outliers(
     sightings: Sightings,
     start: Arrangement,
-    rows: np.ndarray,
-    is_free: np.ndarray,
+    rows: FloatArray,
+    is_free: BoolArray,
     given: Collection[tuple[str, int]],
 ) -> tuple[Adjusted, pd.DataFrame]:
     """Adjust, set aside what does not agree, and adjust the others again.
@@ -231,8 +232,8 @@ def _refuse_views(shots: pd.DataFrame, outlying: set[tuple[str, int]]) -> None:
 def _adjusted(
     sightings: Sightings,
     start: Arrangement,
-    rows: np.ndarray,
-    is_free: np.ndarray,
+    rows: FloatArray,
+    is_free: BoolArray,
     aside: set[tuple[str, int]],
 ) -> tuple[Adjusted, pd.DataFrame]:
     """Adjust to all shots that are not set aside; return the error of each."""
@@ -248,7 +249,7 @@ def _adjusted(
     number[kept] = np.arange(len(kept))
     boards = Boards(as_vectors(start.boards[kept]), sightings.corners)
 
-    def observations(which: np.ndarray) -> ViewObservations:
+    def observations(which: BoolArray) -> ViewObservations:
         v, s, c = np.nonzero(which)
         return ViewObservations(v, number[s] * n_corners + c, start.uv[which])
 

@@ -38,7 +38,7 @@ class Triangulation(NamedTuple):
     n_views: np.ndarray
 
 
-def project(coefs: FloatArray, xyz: np.ndarray) -> FloatArray:
+def project(coefs: FloatArray, xyz: FloatArray) -> FloatArray:
     """Project points into every view.
 
     Parameters

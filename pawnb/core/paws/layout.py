@@ -127,7 +127,7 @@ class Layout:
         width, height = self.sizes[view]
         return bool(-0.5 <= uv[0] < width - 0.5 and -0.5 <= uv[1] < height - 0.5)
 
-    def only(self, which: np.ndarray) -> Layout:
+    def only(self, which: BoolArray) -> Layout:
         """Return the layout of some of the points.
 
         Parameters
@@ -291,7 +291,7 @@ class Placement:
 
 
 def only_points(
-    placed: Mapping[int, Sequence[Placement]], which: np.ndarray
+    placed: Mapping[int, Sequence[Placement]], which: BoolArray
 ) -> dict[int, list[Placement]]:
     """Return the placements of some points, numbered as in :meth:`Layout.only`.
 

@@ -250,7 +250,7 @@ def _means(crop: ByteArray, labels: IntArray, window: Window) -> Superpixels:
     return Superpixels(mean(crop[..., 1]), angle, mean(crop[..., 0]), uv, labels, window)
 
 
-def hue_difference(a: np.ndarray | float, b: np.ndarray | float) -> np.ndarray:
+def hue_difference(a: np.ndarray | float, b: np.ndarray | float) -> FloatArray:
     """Return the angle between hues.
 
     Parameters

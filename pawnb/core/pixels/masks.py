@@ -5,8 +5,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 
-def disk_mask(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
+
+def disk_mask(shape: tuple[int, ...], uv: FloatArray, reach: int) -> BoolArray:
     """Mark the pixels within ``reach`` of some positions.
 
     Parameters
@@ -29,12 +31,12 @@ def disk_mask(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
     return mark
 
 
-def dilate(mask: np.ndarray) -> np.ndarray:
+def dilate(mask: BoolArray) -> BoolArray:
     """Widen a mask by two pixels: edges of a paw are neither paw nor surroundings."""
     return cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
 
 
-def region_grow(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
+def region_grow(mask: BoolArray, seed: BoolArray) -> BoolArray:
     """Return the connected parts of a mask that touch a seed."""
     _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
     touched = np.unique(labels[seed & mask])

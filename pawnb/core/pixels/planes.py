@@ -7,6 +7,7 @@ from typing import Any, TypedDict
 
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.pixels.colour import (
     GreyPicture,
     LazyPicture,
@@ -64,7 +65,7 @@ def picture_of_frame(frame: Any) -> Picture:
     return picture
 
 
-def planes_of_frame(frame: Any) -> list[np.ndarray]:
+def planes_of_frame(frame: Any) -> list[ByteArray]:
     """Return a frame's planes with their padding, (rows, bytes); none if stored bottom up.
 
     Of a frame with a palette, the indices only.
@@ -88,7 +89,7 @@ def shown_as(frame: Any) -> Shown:
     )
 
 
-def _rows(plane: Any) -> np.ndarray | None:
+def _rows(plane: Any) -> ByteArray | None:
     """Return a plane's rows with their padding, without a copy; None if stored bottom up."""
     if plane.line_size <= 0:
         return None
@@ -99,7 +100,7 @@ def _rows(plane: Any) -> np.ndarray | None:
 
 def picture_of_planes(
     pixel_format: str,
-    planes: Sequence[np.ndarray],
+    planes: Sequence[ByteArray],
     *,
     width: int,
     height: int,

@@ -224,7 +224,7 @@ class PacketIndex:
         return tries
 
 
-def _column(packets: Sequence[Packet], field: int) -> np.ndarray:
+def _column(packets: Sequence[Packet], field: int) -> IntArray:
     """Return one field of every packet, with ``_UNKNOWN`` for None."""
     return np.array([_UNKNOWN if p[field] is None else p[field] for p in packets], np.int64)
 

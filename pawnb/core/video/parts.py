@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import av
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.first_run import is_ready
 from pawnb.core.pixels.colour import PartPicture, Picture
 from pawnb.core.pixels.planes import Shown, picture_of_planes, planes_of_frame, shown_as
@@ -92,6 +93,6 @@ class PartReader:
             raise AssertionError(self._format)
         return picture, (left, top)
 
-    def _show(self, planes: list[np.ndarray], width: int, height: int) -> Picture | None:
+    def _show(self, planes: list[ByteArray], width: int, height: int) -> Picture | None:
         """Return the picture of planes in the format of the first frame."""
         return picture_of_planes(self._format, planes, width=width, height=height, **self._shown)

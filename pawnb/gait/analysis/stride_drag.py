@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.cycles.leg_signals import HEIGHT, LegSignals
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.strides.stride_table import Motion
@@ -72,12 +73,12 @@ def drag_fractions(
     return found
 
 
-def _step(time_s: np.ndarray) -> float:
+def _step(time_s: FloatArray) -> float:
     """Return the time between two samples."""
     return float((time_s[-1] - time_s[0]) / (len(time_s) - 1))
 
 
-def _samples(strides: pd.DataFrame, time_s: np.ndarray) -> list[list[int]]:
+def _samples(strides: pd.DataFrame, time_s: FloatArray) -> list[list[int]]:
     """Return the first sample of the stance, of the swing, and beyond it, of each stride."""
     start, stance, period = (
         strides[name].to_numpy(dtype=float) for name in ("start_s", "stance_s", "period_s")
@@ -89,7 +90,7 @@ def _samples(strides: pd.DataFrame, time_s: np.ndarray) -> list[list[int]]:
 
 
 def _share(
-    height: np.ndarray, speed: np.ndarray, samples: list[int], limit: float, slow: float
+    height: FloatArray, speed: FloatArray, samples: list[int], limit: float, slow: float
 ) -> float:
     """Return the share of one swing in which the foot is near the floor and moves."""
     a, b, c = samples

@@ -103,7 +103,7 @@ def measure_strides(
 
 def _angular(
     signal: LegSignals, leg: str, start: FloatArray, turn: FloatArray, end: FloatArray
-) -> dict[str, np.ndarray]:
+) -> dict[str, FloatArray]:
     """Return excursion, velocities and accelerations of one leg in swing and stance."""
     angle = signal.samples[:, signal.legs.index(leg)]
     speed = differentiate(angle, dt=signal.dt_s)
@@ -122,7 +122,7 @@ def _angular(
 
 def _heights(
     signal: LegSignals, leg: str, start: FloatArray, turn: FloatArray, end: FloatArray
-) -> dict[str, np.ndarray]:
+) -> dict[str, FloatArray]:
     """Return how high a foot is lifted, and how low it is in the middle half of the swing."""
     height = signal.samples[:, signal.legs.index(leg)]
     lifted, clear = np.full(len(start), np.nan), np.full(len(start), np.nan)

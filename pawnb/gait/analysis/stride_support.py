@@ -113,7 +113,7 @@ def _places(
     return feet if known.all() and len(legs) >= 4 else None
 
 
-def _stability(feet: FloatArray, down: BoolArray, legs: Sequence[str]) -> dict[str, np.ndarray]:
+def _stability(feet: FloatArray, down: BoolArray, legs: Sequence[str]) -> dict[str, FloatArray]:
     """Return the measures of the support polygon, stride by stride."""
     n, m, k, _ = feet.shape
     ranks = np.array([place.rank if (place := find_leg_place(leg)) else 0 for leg in legs])

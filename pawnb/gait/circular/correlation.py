@@ -117,7 +117,7 @@ def angular_linear(
         raise InputError("the phases take only one or two values; expected three or more.")
     x = x / np.linalg.norm(x)
 
-    def squared(order: IntArray) -> np.ndarray:
+    def squared(order: IntArray) -> FloatArray:
         return ((x[order] @ q) ** 2).sum(axis=-1)
 
     r2 = min(1.0, float(squared(np.arange(n))))
@@ -209,7 +209,7 @@ def _jammalamadaka(a: FloatArray, b: FloatArray) -> Callable[[np.ndarray], np.nd
 def _fisher_lee(a: FloatArray, b: FloatArray) -> Callable[[np.ndarray], np.ndarray]:
     """Return the coefficient for orders of the second phases, without the n² differences."""
 
-    def product(x: FloatArray, y: FloatArray) -> np.ndarray:
+    def product(x: FloatArray, y: FloatArray) -> FloatArray:
         """Sum sin(x_i - x_j) sin(y_i - y_j) over all i < j."""
         n = x.shape[-1]
         minus, plus = np.exp(1j * (x - y)).sum(-1), np.exp(1j * (x + y)).sum(-1)

@@ -292,7 +292,7 @@ def grouped_mean(
     return MeanVector(found.mean, r, round(float(np.sum(counts))))
 
 
-def difference(phases: FloatArray, other: np.ndarray | float) -> FloatArray:
+def difference(phases: FloatArray, other: FloatArray | float) -> FloatArray:
     """Compute signed differences of phases, the short way round.
 
     Parameters

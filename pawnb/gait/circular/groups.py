@@ -215,7 +215,7 @@ def wheeler_watson_test(
 
 def group_samples(
     phases: FloatArray, groups: Sequence[object], *, animals: Sequence[object] | None = None
-) -> tuple[list[np.ndarray], int | None]:
+) -> tuple[list[FloatArray], int | None]:
     """Divide phases into the samples of their groups, one phase an animal where asked.
 
     Parameters

@@ -151,7 +151,7 @@ def _resultant_integral(lengths: FloatArray, total: float) -> float:
     return float(np.clip(-total / 2.0 * step * both_sides, _TINY, 1.0))
 
 
-def length_of_kappa(kappa: np.ndarray | float) -> FloatArray:
+def length_of_kappa(kappa: FloatArray | float) -> FloatArray:
     """Return the length of the mean vector of von Mises distributions, ``I1 / I0``.
 
     Parameters

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.joints import JOINTS
@@ -79,7 +80,7 @@ def joint_signals(
     return found
 
 
-def _legs_by_joint(columns: list[str], angles: np.ndarray) -> dict[str, list[str]]:
+def _legs_by_joint(columns: list[str], angles: FloatArray) -> dict[str, list[str]]:
     """Return the legs of each joint that moves, joints from the body outwards."""
     by_joint: dict[str, list[str]] = {}
     for k, column in enumerate(columns):
@@ -91,7 +92,7 @@ def _legs_by_joint(columns: list[str], angles: np.ndarray) -> dict[str, list[str
     return {joint: sort_legs(by_joint[joint]) for joint in order if joint in by_joint}
 
 
-def _smoothed(samples: np.ndarray) -> np.ndarray:
+def _smoothed(samples: FloatArray) -> FloatArray:
     """Smooth each column that is long enough for a spline."""
     smoothed = samples.copy()
     for k in range(samples.shape[1]):

@@ -272,7 +272,7 @@ def average_cycles(
 
 def _legs_with_strides(
     signals: Sequence[LegSignals], strides: pd.DataFrame
-) -> Iterator[tuple[LegSignals, pd.DataFrame, np.ndarray]]:
+) -> Iterator[tuple[LegSignals, pd.DataFrame, FloatArray]]:
     """Yield each leg of each signal with its strides and its samples."""
     check_columns(strides, _STRIDES, where="strides")
     kinds = sorted({f"{one.signal} ({one.unit})" for one in signals})

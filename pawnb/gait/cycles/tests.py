@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.gait.inference.permutations import bound_note
@@ -259,7 +259,7 @@ def _heaviest(t: FloatArray, limit: float) -> FloatArray:
     return heaviest
 
 
-def _clusters(t: FloatArray, limit: float) -> Iterator[np.ndarray]:
+def _clusters(t: FloatArray, limit: float) -> Iterator[IntArray]:
     """Yield the points of each cluster on the ring, in the order in which they are passed."""
     for side in (t, -t):
         inside = side > limit

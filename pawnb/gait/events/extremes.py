@@ -166,7 +166,7 @@ def stance_velocity_over_time(velocity: FloatArray, extremes: Sequence[Extreme])
 
 def _mid_stances(
     velocity: FloatArray, extremes: Sequence[Extreme]
-) -> Iterator[tuple[float, np.ndarray]]:
+) -> Iterator[tuple[float, FloatArray]]:
     """Yield the middle of each stance and the known velocities in its middle half."""
     for a, b in pairwise(extremes):
         if a.kind > 0 and b.kind < 0:

@@ -165,7 +165,7 @@ def _swing_peaks(speed: FloatArray, extremes: Sequence[Extreme]) -> dict[int, in
 
 def _excess(
     speed: FloatArray, threshold: float, height: Height | None, share: float
-) -> list[np.ndarray]:
+) -> list[FloatArray]:
     """Return how far speed and height are above their thresholds."""
     over = [speed - threshold]
     if height is not None:
@@ -173,7 +173,7 @@ def _excess(
     return over
 
 
-def _first_below(over: list[np.ndarray], start: int, stop: int, step: int) -> float | None:
+def _first_below(over: list[FloatArray], start: int, stop: int, step: int) -> float | None:
     """Go from ``start`` to ``stop`` until all signals are below 0; interpolate the last one."""
     for i in range(start + step, stop + step, step):
         here = [float(x[i]) for x in over]

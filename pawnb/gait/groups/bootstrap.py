@@ -256,7 +256,7 @@ def _all_draws(k: int) -> tuple[IntArray, FloatArray]:
 
 
 def _drawn(
-    table: pd.DataFrame, rows: list[np.ndarray], rng: np.random.Generator | None
+    table: pd.DataFrame, rows: list[IntArray], rng: np.random.Generator | None
 ) -> pd.DataFrame:
     """Put the rows of drawn animals together, the animals under new names."""
     if rng is not None:

@@ -35,7 +35,7 @@ class Block(NamedTuple):
     values: np.ndarray
 
 
-def mean_squares(means: FloatArray) -> tuple[np.ndarray, np.ndarray]:
+def mean_squares(means: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Compute the mean squares of legs that are repeated over animals.
 
     Parameters

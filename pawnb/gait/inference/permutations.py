@@ -14,7 +14,7 @@ _BLOCK = 4_000_000
 
 def shuffle_in_blocks(
     items: IntArray, count: int, *, seed: int | Sequence[int]
-) -> Iterator[np.ndarray]:
+) -> Iterator[IntArray]:
     """Shuffle items many times, without holding more than a block of the results at once.
 
     Parameters

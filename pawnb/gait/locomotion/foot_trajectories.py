@@ -109,7 +109,7 @@ def get_foot_paths(
     ]
 
 
-def _best_space(point: Tracks, least: float) -> tuple[str, str, np.ndarray] | None:
+def _best_space(point: Tracks, least: float) -> tuple[str, str, FloatArray] | None:
     """Choose between a point's position and its image positions; None if never seen."""
     position = point["position"].transpose("time", "space").values.astype(float)
     position = np.where(_sure(point["confidence"].values, least)[:, None], position, np.nan)

@@ -23,7 +23,7 @@ def find_belt_speed(
     *,
     stated: FloatArray | None,
     treadmill: bool,
-) -> tuple[np.ndarray | None, list[str]]:
+) -> tuple[FloatArray | None, list[str]]:
     """Find how fast the substrate runs backwards.
 
     Parameters

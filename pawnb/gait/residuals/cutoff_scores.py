@@ -39,7 +39,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-def find_long_runs(x: FloatArray) -> list[np.ndarray]:
+def find_long_runs(x: FloatArray) -> list[FloatArray]:
     """Find the runs of all signals that are long enough to choose a cut-off from.
 
     Parameters
@@ -53,7 +53,7 @@ def find_long_runs(x: FloatArray) -> list[np.ndarray]:
         Runs of at least 20 samples, those of one length side by side.
     """
     flat = np.asarray(x, dtype=float).reshape(len(x), -1)
-    by_length: dict[int, list[np.ndarray]] = {}
+    by_length: dict[int, list[FloatArray]] = {}
     for column in flat.T:
         for start, stop in find_runs(np.isfinite(column)):
             if stop - start >= LEAST_SAMPLES:
@@ -61,7 +61,7 @@ def find_long_runs(x: FloatArray) -> list[np.ndarray]:
     return [np.column_stack(runs) for runs in by_length.values()]
 
 
-def _square_sum(runs: list[np.ndarray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:
+def _square_sum(runs: list[FloatArray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:
     """Return the sum of the squares of raw minus filtered over all runs."""
     return sum(
         float(np.sum((run - filter_run(run, cutoff_hz=cutoff_hz, fs_hz=fs_hz, order=order)) ** 2))
@@ -69,7 +69,7 @@ def _square_sum(runs: list[np.ndarray], cutoff_hz: float, *, fs_hz: float, order
     )
 
 
-def residual_rms(runs: list[np.ndarray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:
+def residual_rms(runs: list[FloatArray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:
     """Compute what a filter takes away.
 
     Parameters
@@ -90,7 +90,7 @@ def residual_rms(runs: list[np.ndarray], cutoff_hz: float, *, fs_hz: float, orde
     return math.sqrt(squares / sum(run.size for run in runs))
 
 
-def cross_validate(runs: list[np.ndarray], *, fs_hz: float, order: int) -> Choice:
+def cross_validate(runs: list[FloatArray], *, fs_hz: float, order: int) -> Choice:
     """Choose the cut-off with the least generalised cross-validation score.
 
     Parameters
@@ -113,7 +113,7 @@ def cross_validate(runs: list[np.ndarray], *, fs_hz: float, order: int) -> Choic
     return Choice(cutoff, _gcv_noise(runs, cutoff / fs_hz, order), reason)
 
 
-def find_whitest(runs: list[np.ndarray], *, fs_hz: float, order: int) -> Choice:
+def find_whitest(runs: list[FloatArray], *, fs_hz: float, order: int) -> Choice:
     """Choose the cut-off at which what is taken away is most like white noise (Challis 1999).
 
     Parameters
@@ -155,26 +155,26 @@ def _spent(n: int, share: float, order: int) -> float:
     )
 
 
-def _all_spent(runs: list[np.ndarray], share: float, order: int) -> float:
+def _all_spent(runs: list[FloatArray], share: float, order: int) -> float:
     """Return the parameters spent on all runs."""
     return sum(_spent(len(run), share, order) * run.shape[1] for run in runs)
 
 
-def _gcv(runs: list[np.ndarray], share: float, order: int) -> float:
+def _gcv(runs: list[FloatArray], share: float, order: int) -> float:
     """Return the cross-validation score of all runs together."""
     squares = _square_sum(runs, share, fs_hz=1.0, order=order)
     n = sum(run.size for run in runs)
     return gcv_score(squares, spent=_all_spent(runs, share, order), n=n)
 
 
-def _gcv_noise(runs: list[np.ndarray], share: float, order: int) -> float:
+def _gcv_noise(runs: list[FloatArray], share: float, order: int) -> float:
     """Return the RMS of the noise: the residual with the parameters spent taken off n."""
     n = sum(run.size for run in runs)
     left = n - _all_spent(runs, share, order)
     return math.sqrt(_square_sum(runs, share, fs_hz=1.0, order=order) / left)
 
 
-def _colour(runs: list[np.ndarray], cutoff_hz: float, fs_hz: float, order: int) -> float:
+def _colour(runs: list[FloatArray], cutoff_hz: float, fs_hz: float, order: int) -> float:
     """Return how far the residuals are from white: mean sum of squared autocorrelations."""
     total, n = 0.0, 0
     for run in runs:

@@ -95,7 +95,7 @@ def compare_cutoffs(
     return pd.DataFrame(rows, columns=list(CUTOFF_COLUMNS))
 
 
-def named_signals(values: np.ndarray) -> pd.DataFrame:
+def named_signals(values: FloatArray) -> pd.DataFrame:
     """Return signals without names as a table.
 
     Parameters
@@ -120,7 +120,7 @@ def named_signals(values: np.ndarray) -> pd.DataFrame:
 
 
 def _choose_all(
-    runs: list[np.ndarray], *, fs_hz: float, order: int, band_hz: tuple[float, float] | None
+    runs: list[FloatArray], *, fs_hz: float, order: int, band_hz: tuple[float, float] | None
 ) -> dict[str, Choice]:
     """Return the choice of every method."""
     if not runs:
@@ -136,7 +136,7 @@ def _choose_all(
 
 
 def _checked_whitest(
-    runs: list[np.ndarray], validated: Choice, *, fs_hz: float, order: int
+    runs: list[FloatArray], validated: Choice, *, fs_hz: float, order: int
 ) -> Choice:
     """Return the whitest cut-off, unless it takes away far more than the noise."""
     choice = find_whitest(runs, fs_hz=fs_hz, order=order)
@@ -151,7 +151,7 @@ def _checked_whitest(
 
 
 def _kept(
-    choice: Choice, runs: list[np.ndarray], *, fs_hz: float, order: int
+    choice: Choice, runs: list[FloatArray], *, fs_hz: float, order: int
 ) -> tuple[Choice, float]:
     """Return a choice with the residual at it; NaN for both where it is none."""
     if choice.reason.startswith(NO_CUTOFF):

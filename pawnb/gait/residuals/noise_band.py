@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.residuals.cutoff_scores import NO_CUTOFF
 
@@ -11,7 +12,7 @@ _LIFETIMES = 3.0
 _FLOOR = 1000.0 * float(np.finfo(float).eps)
 
 
-def find_noise_band(cutoffs: np.ndarray, residual: np.ndarray) -> tuple[int, int] | str:
+def find_noise_band(cutoffs: FloatArray, residual: FloatArray) -> tuple[int, int] | str:
     """Find the straight part of a residual curve (in shares of the range), or say why not."""
     last = int(0.95 * (len(cutoffs) - 1))
     height = np.log(np.abs(residual[: last + 1] - residual[last]) + _FLOOR)
@@ -27,7 +28,7 @@ def find_noise_band(cutoffs: np.ndarray, residual: np.ndarray) -> tuple[int, int
     return first, last
 
 
-def given_band(cutoffs: np.ndarray, band_hz: tuple[float, float]) -> tuple[int, int]:
+def given_band(cutoffs: FloatArray, band_hz: tuple[float, float]) -> tuple[int, int]:
     """Return first and one past the last point within a band given in Hz."""
     low, high = band_hz
     first, last = (int(k) for k in np.searchsorted(cutoffs, [low, high]))

@@ -143,7 +143,7 @@ def analyse_residuals(
 
 
 def analyse_runs(
-    runs: list[np.ndarray],
+    runs: list[FloatArray],
     *,
     fs_hz: float,
     order: int,

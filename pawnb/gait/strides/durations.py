@@ -225,7 +225,7 @@ def stride_duration_by_leg(
     return pd.DataFrame(rows, columns=list(DURATION_COLUMNS))
 
 
-def _within_trial(legs: dict[str, np.ndarray], method: str, how: tuple[int, int]) -> dict[str, Any]:
+def _within_trial(legs: dict[str, FloatArray], method: str, how: tuple[int, int]) -> dict[str, Any]:
     """Return F, p and method for the strides of one trial."""
     if len(legs) < 2 or not any(np.ptp(period) > 0 for period in legs.values()):
         return {"f": math.nan, "p": math.nan, "method": "none"}

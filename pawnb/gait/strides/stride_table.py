@@ -52,7 +52,7 @@ class Motion:
 
     time_s: FloatArray
     body: FloatArray
-    feet: Mapping[str, np.ndarray] = field(default_factory=dict)
+    feet: Mapping[str, FloatArray] = field(default_factory=dict)
     heading_deg: FloatArray | None = None
 
     def body_between(self, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
@@ -200,9 +200,9 @@ class _Spans:
     start_s: np.ndarray
     end_s: np.ndarray
     turns: np.ndarray
-    turn_s: np.ndarray
-    first_position: np.ndarray
-    turn_position: np.ndarray
+    turn_s: FloatArray
+    first_position: FloatArray
+    turn_position: FloatArray
 
     def take(self, which: BoolArray) -> _Spans:
         """Return some of the stretches."""
@@ -242,7 +242,7 @@ def _spans(own: pd.DataFrame, start_event: str) -> _Spans:
     )
 
 
-def _gaps_of(gaps: pd.DataFrame | None, leg: str) -> dict[str, np.ndarray]:
+def _gaps_of(gaps: pd.DataFrame | None, leg: str) -> dict[str, FloatArray]:
     """Return start and end of the gaps of one leg, shape (k, 2), by what they are."""
     if gaps is None:
         return {}
@@ -255,7 +255,7 @@ def _gaps_of(gaps: pd.DataFrame | None, leg: str) -> dict[str, np.ndarray]:
 
 
 def _faults(
-    spans: _Spans, gaps: dict[str, np.ndarray], start_event: str, max_stride_s: float | None
+    spans: _Spans, gaps: dict[str, FloatArray], start_event: str, max_stride_s: float | None
 ) -> np.ndarray:
     """Say of each stretch why it is no stride; empty text where it is one."""
     why = np.full(len(spans.start_s), "", dtype=object)
@@ -276,7 +276,7 @@ def _faults(
     return why
 
 
-def _times(spans: _Spans) -> dict[str, np.ndarray]:
+def _times(spans: _Spans) -> dict[str, FloatArray]:
     """Return what the three events of each stride tell."""
     period, stance = spans.end_s - spans.start_s, spans.turn_s - spans.start_s
     return {
@@ -289,7 +289,7 @@ def _times(spans: _Spans) -> dict[str, np.ndarray]:
     }
 
 
-def _distances(leg: str, spans: _Spans, motion: Motion | None) -> dict[str, np.ndarray]:
+def _distances(leg: str, spans: _Spans, motion: Motion | None) -> dict[str, FloatArray]:
     """Return stride length, speed, and the foot's own displacement, where motion is known."""
     if motion is None:
         return {}
@@ -301,7 +301,7 @@ def _distances(leg: str, spans: _Spans, motion: Motion | None) -> dict[str, np.n
     }
 
 
-def _contact(own: pd.DataFrame, spans: _Spans) -> dict[str, np.ndarray]:
+def _contact(own: pd.DataFrame, spans: _Spans) -> dict[str, FloatArray]:
     """Return the contact that belongs to each stance from AEP to PEP.
 
     It is the touch-down nearest before the middle of the stance (but after the middle of

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import IntArray
 from pawnb.errors import InputWarning, ResumptionWarning
 from pawnb.gait.analysis.notes import Note
 
@@ -91,7 +92,7 @@ def notes_table(
     return pd.DataFrame(list(once), columns=list(NOTES_COLUMNS))
 
 
-def _spans(numbers: np.ndarray) -> str:
+def _spans(numbers: IntArray) -> str:
     """Return whole numbers in words: ``1-3, 7``."""
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
     return ", ".join(f"{r[0]}-{r[-1]}" if len(r) > 1 else f"{r[0]}" for r in runs)

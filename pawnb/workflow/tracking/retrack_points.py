@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import IntArray
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
@@ -133,7 +134,7 @@ def _with_step(new: Tracks, trial: Trial, **said: Any) -> Tracks:
     return add_provenance(new, **build_step("retrack", command=None, inputs=inputs, **said))
 
 
-def _known_frames(tracks: Tracks, frame: int) -> np.ndarray:
+def _known_frames(tracks: Tracks, frame: int) -> IntArray:
     """Return the tracked frames, of which a corrected one must be."""
     known = np.asarray(tracks["frame"].to_numpy())
     if frame not in known:

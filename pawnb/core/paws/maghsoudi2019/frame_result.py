@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from pawnb.arrays import FloatArray, IntArray, Points2D
 from pawnb.core.paws.superpixels import Superpixels
 
@@ -29,7 +27,7 @@ class Detection:
     scores: FloatArray
 
     @property
-    def places(self) -> np.ndarray:
+    def places(self) -> FloatArray:
         """Positions of the best superpixels, px, shape (k, 2)."""
         return self.superpixels.uv[self.best]
 

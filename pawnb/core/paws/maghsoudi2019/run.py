@@ -376,10 +376,10 @@ class Run:
 def _advance(
     model: kalman.ConstantVelocity,
     state: kalman.State,
-    measured: np.ndarray,
-    restart: np.ndarray,
-    last: np.ndarray,
-    slow: np.ndarray,
+    measured: FloatArray,
+    restart: BoolArray,
+    last: FloatArray,
+    slow: BoolArray,
 ) -> kalman.State:
     """Update states; start those anew that are new or put in place.
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import Placement
 
 
@@ -62,7 +63,7 @@ class Annotations:
                 sizes.append(np.linalg.norm(uv[:, None] - uv, axis=-1).max())
         return float(np.median(sizes))
 
-    def moved(self, to: np.ndarray) -> Annotations:
+    def moved(self, to: FloatArray) -> Annotations:
         """Return the places after a map (n, 2, 3) for each row."""
         return Annotations(
             {

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, Float32Array
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.detection.appearance import Lesson
@@ -18,9 +19,9 @@ def agreed_lessons(
     annotations: Annotations,
     *,
     estimates: Mapping[int, Estimates],
-    looks: Mapping[int, np.ndarray],
-    priors: Mapping[int, np.ndarray],
-    named: Mapping[int, np.ndarray | None],
+    looks: Mapping[int, Float32Array],
+    priors: Mapping[int, Float32Array],
+    named: Mapping[int, BoolArray | None],
     radius: float,
     parameters: AppearanceParameters,
 ) -> dict[int, Lesson]:

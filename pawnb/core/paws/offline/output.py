@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.association.in_space import (
@@ -97,8 +98,8 @@ def write_tracks(
 
 
 def _first_view(
-    uv: np.ndarray, sd_px: np.ndarray, chance: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    uv: FloatArray, sd_px: FloatArray, chance: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return positions in the first view in which each point was found at all."""
     found = np.isfinite(uv[..., 0]).any(axis=0)
     view = np.argmax(found, axis=1)
@@ -109,8 +110,8 @@ def _first_view(
 
 
 def _in_space(
-    uv: np.ndarray, sd_px: np.ndarray, chance: np.ndarray, coefs: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    uv: FloatArray, sd_px: FloatArray, chance: FloatArray, coefs: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return positions in space from the views that saw each point, else from the best two.
 
     There are none far beyond the body: there lines of sight cross of views that disagree.
@@ -132,7 +133,7 @@ def _in_space(
     return x, sd, np.where(astray, np.nan, result.residual_px)
 
 
-def _one_place_each(x: np.ndarray, chance: np.ndarray) -> np.ndarray:
+def _one_place_each(x: FloatArray, chance: FloatArray) -> FloatArray:
     """Return what is left of the chance of points (n, P) that share their place in space."""
     spans = np.array([largest_distance(here) for here in x])
     size = float(np.nanmedian(spans)) if np.isfinite(spans).any() else np.nan
@@ -153,12 +154,12 @@ def _views_agree(uv: np.ndarray, shown: np.ndarray) -> np.ndarray:
 def _as_tracks(
     layout: Layout,
     task: TrackingRequest,
-    x: np.ndarray,
-    sd: np.ndarray,
-    residual: np.ndarray,
-    uv: np.ndarray,
-    image_origin: np.ndarray,
-    chance: np.ndarray,
+    x: FloatArray,
+    sd: FloatArray,
+    residual: FloatArray,
+    uv: FloatArray,
+    image_origin: IntArray,
+    chance: FloatArray,
 ) -> Tracks:
     """Return the arrays as Tracks, joined to what is gone on from."""
     first, n = task.frames[0], len(x)

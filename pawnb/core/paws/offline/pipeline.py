@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
@@ -52,7 +53,7 @@ class PointTrack:
 
     found: Estimates
     signs: Signs
-    named: np.ndarray | None = None
+    named: BoolArray | None = None
 
 
 @dataclass(frozen=True)
@@ -85,9 +86,9 @@ class ViewTrack:
         Standard deviation, px.
     """
 
-    uv: np.ndarray
+    uv: FloatArray
     probability: np.ndarray
-    sd_px: np.ndarray
+    sd_px: FloatArray
 
 
 def no_track(n: int, n_points: int) -> ViewTrack:
@@ -101,7 +102,7 @@ def view_track(
     tracks: Mapping[int, PointTrack],
     n_points: int,
     *,
-    chance: np.ndarray | None = None,
+    chance: FloatArray | None = None,
 ) -> ViewTrack:
     """Return estimates on the grid as positions in the view.
 
@@ -305,7 +306,7 @@ class _Work:
 
 def _motion(
     view: ViewInput, followed: Detections, points: Sequence[int], *, power: float
-) -> dict[int, np.ndarray]:
+) -> dict[int, Float32Array]:
     """Return ratios of likelihoods by motion and by further detections, for each point."""
     ratios = {}
     for point in points:
@@ -322,7 +323,7 @@ def _appearance(
     parameters: OfflineParameters,
     *,
     rows: Sequence[int],
-) -> dict[int, np.ndarray]:
+) -> dict[int, Float32Array]:
     """Return ratios of likelihoods by appearance, for each point."""
     classify = learn_appearance(
         view.stack, lessons, n_points=n_points, parameters=parameters.appearance

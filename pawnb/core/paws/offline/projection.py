@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core import dlt
 
 _SAME = np.array([[1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]]).T
@@ -22,7 +23,7 @@ class Projection:
         DLT coefficients; without them there is one view and positions are its pixels.
     """
 
-    coefs: np.ndarray | None
+    coefs: FloatArray | None
 
     @property
     def n_coordinates(self) -> int:
@@ -30,12 +31,12 @@ class Projection:
         return 2 if self.coefs is None else 3
 
     @property
-    def table(self) -> np.ndarray:
+    def table(self) -> FloatArray:
         """DLT coefficients (11, V); those of a single view leave positions as they are."""
         return _SAME if self.coefs is None else self.coefs
 
     @property
-    def rows(self) -> np.ndarray:
+    def rows(self) -> FloatArray:
         """The same, a row a view (V, 11), for loops.
 
         A new array each time: those that may not be written, as a rig's, are another type, for
@@ -43,13 +44,13 @@ class Projection:
         """
         return np.array(self.table.T, dtype=float, order="C")
 
-    def project(self, x: np.ndarray) -> np.ndarray:
+    def project(self, x: FloatArray) -> FloatArray:
         """Return image positions (..., V, 2) of positions (..., d)."""
         if self.coefs is None:
             return np.asarray(x, dtype=float)[..., None, :]
         return dlt.project(self.coefs, x)
 
-    def jacobian(self, x: np.ndarray) -> np.ndarray:
+    def jacobian(self, x: FloatArray) -> FloatArray:
         """Return the derivative (..., V, 2, d) of :meth:`project`."""
         if self.coefs is None:
             return np.broadcast_to(np.eye(2), (*x.shape[:-1], 1, 2, 2))

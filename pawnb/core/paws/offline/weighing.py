@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import estimate
 from pawnb.core.paws.offline.association.positional_prior import prior_from_clicks
@@ -197,7 +198,7 @@ class _LeftOut:
         return outcomes
 
 
-def _within(mass: np.ndarray, place: np.ndarray, radius: float) -> float:
+def _within(mass: Float32Array, place: FloatArray, radius: float) -> float:
     """Return the probability within a radius of a place (x, y)."""
     v, u = np.mgrid[: mass.shape[0], : mass.shape[1]]
     return float(mass[(u - place[0]) ** 2 + (v - place[1]) ** 2 <= radius**2].sum())

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.pipeline import ViewTrack
@@ -67,7 +68,7 @@ def handed_on(annotations: Annotations, found: ViewTrack, *, begin: int, end: in
 
 def chance_to_go_on(
     annotations: Annotations, found: ViewTrack, *, begin: int, end: int
-) -> np.ndarray:
+) -> FloatArray:
     """Return how likely what a window goes on from is right, for each point.
 
     Parameters

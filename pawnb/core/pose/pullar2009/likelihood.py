@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pawnb.arrays import Float32Array, IntArray
+from pawnb.arrays import Float32Array
 from pawnb.core.compiled import compiled
 from pawnb.errors import InputError
 
@@ -54,7 +54,7 @@ def background_cost(
     return _gaussian_cost(grey, mean, sd, sd_floor_grey)
 
 
-def subject_cost(picture: IntArray, *, mean: float, sd: float) -> Float32Array:
+def subject_cost(picture: np.ndarray, *, mean: float, sd: float) -> Float32Array:
     """Return the cost of calling each pixel subject under one Gaussian for the whole subject.
 
     Parameters

@@ -262,7 +262,7 @@ def _light_change(picture: Float32Array, mean: Float32Array) -> np.ndarray:
     return cv2.resize(blocks, (width, height), interpolation=cv2.INTER_LINEAR)
 
 
-def _animal_of(low: BoolArray, high: BoolArray) -> tuple[np.ndarray | None, float]:
+def _animal_of(low: BoolArray, high: BoolArray) -> tuple[BoolArray | None, float]:
     """Return the largest thing, with pieces beside it, and the size of the next as a share."""
     joined = cv2.morphologyEx(low.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
     n, labels = cv2.connectedComponents(joined)

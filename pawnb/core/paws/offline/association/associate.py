@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.core.parallel import Threads
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.epipolar import epipolar_support
@@ -127,7 +128,7 @@ def associate(
 
 def _solve(
     view: ViewEvidence,
-    factors: Mapping[int, np.ndarray],
+    factors: Mapping[int, Float32Array],
     parameters: AssociationParameters,
     *,
     compared: bool,
@@ -171,8 +172,8 @@ def _support(
 
 def _kinds_apart(
     view: ViewEvidence,
-    masses: Mapping[int, np.ndarray],
-    support: Mapping[int, np.ndarray],
+    masses: Mapping[int, Float32Array],
+    support: Mapping[int, Float32Array],
     *,
     radius: float,
     parameters: IdentityParameters,

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.association.parameters import LINKS
 
@@ -26,12 +27,12 @@ class Estimates:
         mean of its two variances.
     """
 
-    place: np.ndarray
-    probability: np.ndarray
-    sd: np.ndarray
+    place: FloatArray
+    probability: FloatArray
+    sd: FloatArray
 
 
-def estimate(posterior: np.ndarray, radius: float) -> Estimates:
+def estimate(posterior: Float32Array, radius: float) -> Estimates:
     """Return the mean of the highest mode of every frame.
 
     Parameters
@@ -49,7 +50,7 @@ def estimate(posterior: np.ndarray, radius: float) -> Estimates:
     reach = int(np.ceil(radius))
     y, x = np.mgrid[: posterior.shape[1], : posterior.shape[2]]
 
-    def one(mass: np.ndarray) -> tuple[float, float, float, float]:
+    def one(mass: Float32Array) -> tuple[float, float, float, float]:
         mode = np.unravel_index(
             cv2.GaussianBlur(mass, (0, 0), LINKS.mode_blur).argmax(), mass.shape
         )

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.core.paws.offline.association.parameters import LINKS
 
 
 def open_to_each(
-    posteriors: Mapping[int, np.ndarray], radius: float, strength: float
-) -> dict[int, np.ndarray]:
+    posteriors: Mapping[int, Float32Array], radius: float, strength: float
+) -> dict[int, Float32Array]:
     """Return how far every place is left open to each point by the others.
 
     Parameters

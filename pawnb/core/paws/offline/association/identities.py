@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
@@ -26,22 +27,22 @@ from pawnb.core.paws.offline.parameters import IdentityParameters
 class _Arcs:
     """Arcs of the graph of one point: from one node to another at a cost."""
 
-    source: np.ndarray
-    target: np.ndarray
-    cost: np.ndarray
-    tracklet: np.ndarray
+    source: IntArray
+    target: IntArray
+    cost: FloatArray
+    tracklet: IntArray
     """The tracklet that is passed, or -1."""
 
 
 def decide(
     tracklets: Sequence[ViewTracklet],
-    gains: np.ndarray,
+    gains: FloatArray,
     clicked: Mapping[int, int],
     *,
     n: int,
     radius: float,
     parameters: IdentityParameters,
-) -> np.ndarray:
+) -> IntArray:
     """Give tracklets to points.
 
     Parameters
@@ -108,8 +109,8 @@ def _graph(
 
 def _continuations(
     tracklets: Sequence[ViewTracklet],
-    begins: np.ndarray,
-    ends: np.ndarray,
+    begins: IntArray,
+    ends: IntArray,
     radius: float,
     parameters: IdentityParameters,
 ) -> list[tuple[int, int, float, int]]:
@@ -156,7 +157,7 @@ def _drift(tracklets: Sequence[ViewTracklet]) -> float:
     return float(np.median(np.concatenate(missed))) / LINKS.ahead_rows if missed else 0.0
 
 
-def _solve(arcs: _Arcs, gains: np.ndarray, n_points: int) -> np.ndarray:
+def _solve(arcs: _Arcs, gains: FloatArray, n_points: int) -> FloatArray:
     """Return 1 where the path of a point passes a tracklet, else 0, (N, P)."""
     n_arcs, n_nodes = len(arcs.cost), int(arcs.target.max()) + 1
     first = 2 * len(gains)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.quality.measures import largest_distance
 
 _SURE = 1 - 1e-6
 """Guard: chances of 1 on one place would leave nothing to compare."""
 
 
-def surest_two(chance: np.ndarray) -> np.ndarray:
+def surest_two(chance: FloatArray) -> FloatArray:
     """Return how likely points are where they are in space: they need two views.
 
     Parameters
@@ -28,7 +29,7 @@ def surest_two(chance: np.ndarray) -> np.ndarray:
     return np.asarray(np.sort(chance, axis=2)[..., -2])
 
 
-def shared_places(x: np.ndarray, chance: np.ndarray, nearest: float) -> np.ndarray:
+def shared_places(x: FloatArray, chance: FloatArray, nearest: float) -> FloatArray:
     """Return what is left of the chance of each point by others that lie on its place.
 
     Of points nearer to each other than two paws can be, at most one is right. With odds
@@ -58,7 +59,7 @@ def shared_places(x: np.ndarray, chance: np.ndarray, nearest: float) -> np.ndarr
     return np.asarray((1 + odds) / (1 + total))
 
 
-def beyond_body(x: np.ndarray, chance: np.ndarray, *, sure: float, gate: float) -> np.ndarray:
+def beyond_body(x: FloatArray, chance: FloatArray, *, sure: float, gate: float) -> BoolArray:
     """Tell which positions in space are farther from the other points than any animal reaches.
 
     Parameters

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray, IntArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.identities import decide
@@ -21,10 +22,10 @@ def tell_apart(
     stack: BodyStack,
     annotations: Annotations,
     *,
-    masses: Mapping[int, np.ndarray],
-    others: Mapping[int, np.ndarray],
-    looks: Mapping[int, np.ndarray],
-    prior: Mapping[int, np.ndarray],
+    masses: Mapping[int, Float32Array],
+    others: Mapping[int, Float32Array],
+    looks: Mapping[int, Float32Array],
+    prior: Mapping[int, Float32Array],
     trust: float,
     radius: float,
     parameters: IdentityParameters,
@@ -62,10 +63,10 @@ def tell_apart(
     side = int(LINKS.taken_radii * radius) | 1
     placed = _clicked_places(stack, annotations, points)
 
-    def own(point: int, t: int) -> np.ndarray:
+    def own(point: int, t: int) -> Float32Array:
         return looks[point][t] / (1 + looks[point][t])
 
-    def candidates(t: int) -> np.ndarray:
+    def candidates(t: int) -> FloatArray:
         score = np.minimum(np.sum([own(p, t) for p in points], axis=0), 1.0)
         for p in points:
             score = np.maximum(score, cv2.blur(masses[p][t], (side, side)) * side**2)
@@ -122,12 +123,12 @@ def _gains(
     one: ViewTracklet,
     points: Sequence[int],
     *,
-    others: Mapping[int, np.ndarray],
-    looks: Mapping[int, np.ndarray],
-    prior: Mapping[int, np.ndarray],
+    others: Mapping[int, Float32Array],
+    looks: Mapping[int, Float32Array],
+    prior: Mapping[int, Float32Array],
     trust: float,
     alike: float,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the log-likelihood of a tracklet being each of the points."""
     h, w = prior[points[0]].shape
     x = np.clip(np.rint(one.places[:, 0]).astype(int), 0, w - 1)
@@ -153,12 +154,12 @@ def _gains(
 def paint_names(
     shape: tuple[int, int, int],
     tracklets: Sequence[ViewTracklet],
-    names: np.ndarray,
+    names: IntArray,
     *,
     points: Sequence[int],
     radius: float,
     parameters: IdentityParameters,
-) -> dict[int, np.ndarray]:
+) -> dict[int, Float32Array]:
     """Return how far every place is left to each point: what is decided is its own alone.
 
     Parameters

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.detection.evidence import bump_at
@@ -16,7 +17,7 @@ from pawnb.core.paws.offline.scene.stack import BodyStack
 
 def prior_from_clicks(
     stack: BodyStack, annotations: Annotations, *, radius: float, parameters: OfflineParameters
-) -> dict[int, np.ndarray]:
+) -> dict[int, Float32Array]:
     """Return the probability of every place for each point, wide about its clicks.
 
     Parameters
@@ -53,8 +54,8 @@ def prior_from_clicks(
 
 
 def prior_from_tracks(
-    masses: Mapping[int, np.ndarray], priors: Mapping[int, np.ndarray], radius: float
-) -> dict[int, np.ndarray]:
+    masses: Mapping[int, Float32Array], priors: Mapping[int, Float32Array], radius: float
+) -> dict[int, Float32Array]:
     """Return priors that have learnt where points were found, half old and half new.
 
     Parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
@@ -32,9 +33,9 @@ class ViewTracklet:
     """
 
     begin: int
-    places: np.ndarray
-    first_step: np.ndarray
-    last_step: np.ndarray
+    places: FloatArray
+    first_step: FloatArray
+    last_step: FloatArray
 
     @property
     def end(self) -> int:
@@ -42,19 +43,19 @@ class ViewTracklet:
         return self.begin + len(self.places) - 1
 
     @property
-    def rows(self) -> np.ndarray:
+    def rows(self) -> IntArray:
         """Its rows."""
         return np.arange(self.begin, self.end + 1)
 
 
 def find_candidates(
-    score: np.ndarray,
+    score: Float32Array,
     *,
-    sure: Sequence[np.ndarray],
+    sure: Sequence[FloatArray],
     most: int,
     radius: float,
     parameters: IdentityParameters,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the highest peaks of one frame.
 
     Parameters
@@ -81,7 +82,7 @@ def find_candidates(
     h, w = left.shape
     found = [np.asarray(place, float) for place in sure]
 
-    def close(place: np.ndarray) -> None:
+    def close(place: FloatArray) -> None:
         x0, x1 = max(0, int(place[0] - apart)), min(w, int(place[0] + apart) + 2)
         y0, y1 = max(0, int(place[1] - apart)), min(h, int(place[1] + apart) + 2)
         y, x = np.ogrid[y0:y1, x0:x1]
@@ -106,9 +107,9 @@ def find_candidates(
 
 
 def link(
-    candidates: Sequence[np.ndarray],
-    forward: np.ndarray,
-    backward: np.ndarray,
+    candidates: Sequence[FloatArray],
+    forward: Float32Array,
+    backward: Float32Array,
     *,
     radius: float,
     parameters: IdentityParameters,
@@ -160,18 +161,18 @@ def link(
 class _Open:
     """A tracklet that is still going on."""
 
-    def __init__(self, begin: int, place: np.ndarray) -> None:
+    def __init__(self, begin: int, place: FloatArray) -> None:
         self.begin, self.places, self.unseen = begin, [np.asarray(place, float)], 0
 
-    def go(self, place: np.ndarray, *, seen: bool) -> None:
+    def go(self, place: FloatArray, *, seen: bool) -> None:
         self.places.append(place)
         self.unseen = 0 if seen else self.unseen + 1
 
-    def velocity(self) -> np.ndarray | None:
+    def velocity(self) -> FloatArray | None:
         last = self.places[-LINKS.velocity_rows :]
         return None if len(last) < 3 else (last[-1] - last[0]) / (len(last) - 1)
 
-    def closed(self, forward: np.ndarray) -> ViewTracklet:
+    def closed(self, forward: Float32Array) -> ViewTracklet:
         """Return it without what was not seen at its end."""
         places = np.array(self.places[: len(self.places) - self.unseen])
         ends = []
@@ -188,9 +189,9 @@ class _Open:
 
 def _match(
     active: Sequence[_Open],
-    new: np.ndarray,
-    forward: np.ndarray,
-    backward: np.ndarray,
+    new: FloatArray,
+    forward: Float32Array,
+    backward: Float32Array,
     radius: float,
 ) -> tuple[dict[int, int], set[int]]:
     """Return which goes on as which without any doubt, and which have met another."""
@@ -220,7 +221,7 @@ def _match(
     return pairs, set(np.flatnonzero(met).tolist())
 
 
-def _at(flow: np.ndarray, places: np.ndarray) -> np.ndarray:
+def _at(flow: Float32Array, places: FloatArray) -> FloatArray:
     """Return the mean flow (..., 2) of 3 x 3 places about each of some (..., 2)."""
     last = np.array(flow.shape[1::-1]) - 1
     middle = np.clip(np.rint(places), 0, last).astype(int)[..., None, :]

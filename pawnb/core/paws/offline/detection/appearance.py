@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
@@ -31,8 +32,8 @@ class Lesson:
         Whether a person placed the points.
     """
 
-    points: Mapping[int, np.ndarray]
-    doubtful: Sequence[np.ndarray] = ()
+    points: Mapping[int, FloatArray]
+    doubtful: Sequence[FloatArray] = ()
     clicked: bool = True
 
 
@@ -105,7 +106,7 @@ def _samples(
     parameters: AppearanceParameters,
     *,
     varied: bool,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Float32Array, IntArray]:
     """Return features and labels of places in one picture, as it is or varied."""
     grey = stack.grey[row]
     colour = None if stack.colour is None else stack.colour[row]
@@ -138,7 +139,7 @@ def _samples(
     return features.at(taken), label.ravel()[taken]
 
 
-def _distances(stack: BodyStack, shape: tuple[int, int], xy: np.ndarray) -> np.ndarray:
+def _distances(stack: BodyStack, shape: tuple[int, int], xy: FloatArray) -> Float32Array:
     """Return how far every place is from a position, working px, float32."""
     x, y = (
         np.square(stack.spacing * np.arange(n) + stack.spacing // 2 - at, dtype=np.float32)
@@ -148,7 +149,7 @@ def _distances(stack: BodyStack, shape: tuple[int, int], xy: np.ndarray) -> np.n
 
 
 def vary_picture(
-    grey: np.ndarray, colour: np.ndarray | None, random: np.random.Generator
+    grey: ByteArray, colour: np.ndarray | None, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
     """Return a picture turned, scaled, shifted and lit differently, and the map to it.
 
@@ -195,7 +196,7 @@ def appearance_maps(
     points: Sequence[int],
     parameters: AppearanceParameters,
     rows: Sequence[int] | None = None,
-) -> dict[int, np.ndarray]:
+) -> dict[int, Float32Array]:
     """Return how much likelier each point is at every place, by its appearance.
 
     Parameters
@@ -236,7 +237,7 @@ def appearance_maps(
 
 def _probabilities(
     features: PictureFeatures, classify: Classifier, points: Sequence[int]
-) -> np.ndarray:
+) -> Float32Array:
     """Return the probability (points, h, w) of each point at every place of a picture.
 
     Every other place in each direction is looked at first, and all of them about those where

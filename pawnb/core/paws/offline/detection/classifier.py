@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import Float32Array, IntArray
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 
@@ -49,7 +50,7 @@ class _Networks:
 
 
 def train_classifier(
-    features: np.ndarray, labels: np.ndarray, *, n_points: int, parameters: AppearanceParameters
+    features: Float32Array, labels: IntArray, *, n_points: int, parameters: AppearanceParameters
 ) -> Classifier:
     """Train a few networks with one hidden layer and return the mean of their probabilities.
 
@@ -83,7 +84,7 @@ def train_classifier(
     bias = (networks.inner_bias - mean @ inner.T).astype(np.float32)[:, None]
     inner = np.ascontiguousarray(inner, np.float32)
 
-    def classify(samples: np.ndarray) -> np.ndarray:
+    def classify(samples: Float32Array) -> Float32Array:
         # places last: what follows goes along memory
         active = inner @ samples.T
         active += bias
@@ -104,7 +105,7 @@ def train_classifier(
 
 
 def _train(
-    samples: np.ndarray, classes: np.ndarray, n_classes: int, parameters: AppearanceParameters
+    samples: Float32Array, classes: IntArray, n_classes: int, parameters: AppearanceParameters
 ) -> _Networks:
     """Return networks that were trained on samples (m, F) float32 of known classes (m,)."""
     k, h, f = parameters.networks, parameters.hidden, samples.shape[1]

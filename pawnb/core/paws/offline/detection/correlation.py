@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
@@ -36,8 +37,8 @@ is flat correlates with nothing; largest exponent."""
 class _Scores:
     """Standardised scores (h, w) of a window; its first px in small pictures, its middle."""
 
-    values: np.ndarray
-    corner: np.ndarray
+    values: FloatArray
+    corner: FloatArray
     places: float
     """How many of its places and turns differ."""
 
@@ -137,14 +138,14 @@ def _patches(
 
 
 def _find_point(
-    small: Sequence[np.ndarray],
+    small: Sequence[ByteArray],
     point: int,
     patches: Mapping[int, Sequence[np.ndarray]],
-    window: tuple[np.ndarray, np.ndarray],
+    window: tuple[FloatArray, FloatArray],
     known: Mapping[tuple[int, int], np.ndarray],
     half: int,
     parameters: CorrelationParameters,
-) -> np.ndarray:
+) -> FloatArray:
     """Return row, point, x, y (px of small pictures) and log-odds of peaks, (m, 5)."""
     clicked = np.array(sorted(patches))
     wanted = [t for t in range(len(small)) if t not in patches]
@@ -173,7 +174,7 @@ def _find_point(
     return np.array(rows, float).reshape(-1, 5)
 
 
-def scores_of_point(seen: np.ndarray) -> tuple[float, float]:
+def scores_of_point(seen: FloatArray) -> tuple[float, float]:
     """Return mean and standard deviation of scores where the point is, from those seen (m,).
 
     NaN where none is known; what is taken to be known beforehand counts as ten of them.
@@ -189,9 +190,9 @@ def scores_of_point(seen: np.ndarray) -> tuple[float, float]:
 
 
 def _score(
-    picture: np.ndarray,
-    patches: Sequence[np.ndarray],
-    window: tuple[np.ndarray, np.ndarray],
+    picture: ByteArray,
+    patches: Sequence[ByteArray],
+    window: tuple[FloatArray, FloatArray],
     half: int,
 ) -> _Scores | None:
     """Return standardised scores within a window, the best of the patches; None if too small."""
@@ -213,7 +214,7 @@ def _score(
     return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
 
 
-def _best_correlation(part: np.ndarray, patches: Sequence[np.ndarray]) -> np.ndarray:
+def _best_correlation(part: ByteArray, patches: Sequence[ByteArray]) -> FloatArray:
     """Return the highest correlation coefficient of patches of one size at every place.
 
     That of ``cv2.TM_CCOEFF_NORMED``; what does not depend on the patch is worked out once, the
@@ -260,7 +261,7 @@ def _peaks(scores: _Scores, half: int, count: int) -> list[tuple[float, float, f
     return found
 
 
-def _read(scores: _Scores, at: np.ndarray) -> float:
+def _read(scores: _Scores, at: FloatArray) -> float:
     """Return the highest score of 3 x 3 px about a place, NaN outside the window."""
     x, y = np.rint(at - scores.corner).astype(int)
     part = scores.values[max(0, y - 1) : max(0, y + 2), max(0, x - 1) : max(0, x + 2)]

@@ -9,6 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.errors import InputError
@@ -108,7 +109,7 @@ def installed_evidence() -> list[Evidence]:
     return kinds
 
 
-def paint(found: Detections, stack: BodyStack, point: int) -> np.ndarray:
+def paint(found: Detections, stack: BodyStack, point: int) -> Float32Array:
     """Return a point's detections as ratios of likelihoods over places.
 
     Parameters
@@ -142,7 +143,7 @@ def paint(found: Detections, stack: BodyStack, point: int) -> np.ndarray:
     return ratio
 
 
-def bump_at(shape: tuple[int, int], place: Sequence[float] | np.ndarray, sd: float) -> np.ndarray:
+def bump_at(shape: tuple[int, int], place: Sequence[float] | np.ndarray, sd: float) -> Float32Array:
     """Return a Gaussian of height 1 about a place (x, y), float32.
 
     Parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, IntArray
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 
 _SLOPES, _SHADES = 1.5, 32
@@ -119,7 +120,7 @@ class PictureFeatures:
             if channel == 0:
                 self._parts.append(_Ring(smooth, LEARNT.rings_px[0] / spacing))
 
-    def at(self, places: np.ndarray) -> np.ndarray:
+    def at(self, places: IntArray) -> Float32Array:
         """Return the features of some places.
 
         Parameters
@@ -147,7 +148,7 @@ class PictureFeatures:
         return found.T
 
 
-def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> np.ndarray:
+def feature_maps(grey: ByteArray, colour: ByteArray | None, spacing: int) -> Float32Array:
     """Return the features of every place, float32 (h, w, F); see :class:`PictureFeatures`.
 
     Parameters

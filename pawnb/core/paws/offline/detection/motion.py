@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.parameters import MotionParameters
@@ -65,11 +66,11 @@ def _ways(annotations: Annotations, n: int) -> dict[tuple[int, int], list[int]]:
 
 
 def _follow(
-    grey: np.ndarray, row: int, end: int, xy: np.ndarray, parameters: MotionParameters
+    grey: ByteArray, row: int, end: int, xy: FloatArray, parameters: MotionParameters
 ) -> Iterator[tuple[int, int, float, float, float]]:
     """Yield row, number, x, y and trust while places (k, 2) are followed to another row."""
 
-    def flow(source: np.ndarray, target: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, ...]:
+    def flow(source: ByteArray, target: ByteArray, at: Float32Array) -> tuple[np.ndarray, ...]:
         to, status, _ = cv2.calcOpticalFlowPyrLK(
             source, target, at, None,  # type: ignore[call-overload]
             winSize=(parameters.window,) * 2, maxLevel=parameters.levels,

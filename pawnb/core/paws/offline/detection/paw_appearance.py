@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray
 from pawnb.core.checkpoint import code_checksum
 from pawnb.core.paws.layout import Layout, Placement, Views
 from pawnb.core.paws.offline.detection.appearance import vary_picture
@@ -52,8 +53,8 @@ class PawLesson:
         Whether as many paws as in any frame are among them: then what is elsewhere is none.
     """
 
-    paws: Sequence[np.ndarray]
-    doubtful: Sequence[np.ndarray]
+    paws: Sequence[FloatArray]
+    doubtful: Sequence[FloatArray]
     clicked: bool = True
     whole: bool = True
 
@@ -68,7 +69,7 @@ class _Reading:
     white: float
     is_colour: bool
 
-    def read(self, pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    def read(self, pixels: ByteArray) -> tuple[np.ndarray, np.ndarray | None]:
         """Return brightness and colour (two channels) of a picture at the working scale."""
         if self.mirrored:
             pixels = np.ascontiguousarray(pixels[:, ::-1])
@@ -80,14 +81,14 @@ class _Reading:
         colour = cv2.cvtColor(large, cv2.COLOR_RGB2LAB)[..., 1:] if self.is_colour else None
         return level, colour
 
-    def place(self, xy: np.ndarray, width: int) -> np.ndarray:
+    def place(self, xy: FloatArray, width: int) -> FloatArray:
         """Return working px of positions (..., 2) in a picture that is so wide."""
         xy = np.array(xy, float)
         if self.mirrored:
             xy[..., 0] = width - 1 - xy[..., 0]
         return (xy + 0.5) * self.scale - 0.5
 
-    def back(self, grid: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    def back(self, grid: Float32Array, size: tuple[int, int]) -> Float32Array:
         """Return values of the grid (h, w) at the pixels of a picture of this width and height."""
         k = self.scale / LEARNT.paw_spacing_px
         shift = (0.5 * self.scale - 0.5 - LEARNT.paw_spacing_px // 2) / LEARNT.paw_spacing_px
@@ -124,7 +125,7 @@ class PawLook(Appearance):
     reading: _Reading | None = None
 
     def score(
-        self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
+        self, pixels: ByteArray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
     ) -> np.ndarray:
         """Return how far the logarithm of odds exceeds what tells neither way, (h, w) float32.
 
@@ -190,7 +191,7 @@ def clicked_lessons(
 
 
 def tracked_lessons(
-    refined: SmoothedTracks, scene: Scene, tracked: np.ndarray, *, first: int
+    refined: SmoothedTracks, scene: Scene, tracked: BoolArray, *, first: int
 ) -> dict[int, PawLesson]:
     """Return what tracks teach where they are certain and the paw was seen: frame to example.
 

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.detection.parameters import PREDICTIONS
 
 LIKELIHOOD_EDGES = (0.1, 0.3, 0.6, 0.9, 0.97)
@@ -53,22 +54,22 @@ class Rates:
         Of each kind of step, by ``_STEP_OF``.
     """
 
-    change: np.ndarray
-    likelihoods: np.ndarray
-    steps: np.ndarray
+    change: FloatArray
+    likelihoods: FloatArray
+    steps: FloatArray
 
     @property
     def stays_wrong(self) -> float:
         """Mean number of frames for which the program stays elsewhere, at least 1."""
         return float(max(1 / (1 - self.change[ELSEWHERE, ELSEWHERE]), 1.0))
 
-    def with_steps(self) -> np.ndarray:
+    def with_steps(self) -> FloatArray:
         """Return the probability of the next state and of a step, (kinds, from, to)."""
         steps = np.concatenate([self.steps[_STEP_OF], np.ones((4, 4, 1))], axis=2)
         return self.change * steps.transpose(2, 0, 1)
 
 
-def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> Rates:
+def estimate_rates(kinds: IntArray, state: FloatArray, pairs: FloatArray) -> Rates:
     """Return the rates that fit what was found, with the pseudo-counts.
 
     Parameters
@@ -112,8 +113,8 @@ def _counts() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def smooth_states(
-    kinds: np.ndarray, steps: np.ndarray, *, at_clicks: np.ndarray, rates: Rates
-) -> tuple[np.ndarray, np.ndarray]:
+    kinds: IntArray, steps: IntArray, *, at_clicks: FloatArray, rates: Rates
+) -> tuple[FloatArray, FloatArray]:
     """Return the probability of each state, given the whole recording.
 
     Likelihoods of neighbouring frames are alike: while the program may be elsewhere, each counts
@@ -158,6 +159,6 @@ def smooth_states(
     return _to_one(ahead * back), pairs
 
 
-def _to_one(mass: np.ndarray) -> np.ndarray:
+def _to_one(mass: FloatArray) -> FloatArray:
     """Return what sums to 1 for each point."""
     return mass / np.maximum(mass.sum(axis=-1, keepdims=True), 1e-300)

@@ -25,6 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.detection.parameters import PREDICTIONS
@@ -88,14 +89,14 @@ class PredictionQuality:
         Extent of the clicks, px of the view.
     """
 
-    right: np.ndarray
+    right: FloatArray
     sd_px: float
     stays_wrong: float
     extent_px: float
 
 
 def predictions_as_detections(
-    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, *, size: tuple[int, int]
+    uv: FloatArray, likelihood: FloatArray, annotations: Annotations, *, size: tuple[int, int]
 ) -> Detections:
     """Return predictions with log-odds that mean what they say.
 
@@ -132,7 +133,7 @@ def predictions_as_detections(
 
 
 def judge_predictions(
-    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, *, size: tuple[int, int]
+    uv: FloatArray, likelihood: FloatArray, annotations: Annotations, *, size: tuple[int, int]
 ) -> PredictionQuality:
     """Return how good predictions are; parameters as :func:`predictions_as_detections`.
 
@@ -167,7 +168,7 @@ def judge_predictions(
     return PredictionQuality(np.where(there, state[..., RIGHT], 0.0), sd, rates.stays_wrong, extent)
 
 
-def find_extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int]) -> float:
+def find_extent(uv: FloatArray, annotations: Annotations, size: tuple[int, int]) -> float:
     """Return the extent of the animal, px: of the clicks or, where that is larger, of predictions.
 
     Where few points are clicked in one frame they may just meet there. Parameters as for
@@ -194,7 +195,7 @@ def find_extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int])
     return extent if extent > 0 else PREDICTIONS.unknown_extent * min(size)
 
 
-def distances_from_clicks(uv: np.ndarray, annotations: Annotations) -> np.ndarray:
+def distances_from_clicks(uv: FloatArray, annotations: Annotations) -> FloatArray:
     """Return how far predictions are from clicks, px, shape (n, P); NaN where there is no click."""
     apart = np.full(uv.shape[:2], np.nan)
     for row, here in annotations.places.items():
@@ -204,7 +205,7 @@ def distances_from_clicks(uv: np.ndarray, annotations: Annotations) -> np.ndarra
     return apart
 
 
-def _kinds_of_steps(uv: np.ndarray, extent: float) -> np.ndarray:
+def _kinds_of_steps(uv: FloatArray, extent: float) -> IntArray:
     """Tell how far predictions step from the ones before, beside what they mostly do."""
     n, n_points = uv.shape[:2]
     before, gap = _ones_before(uv)
@@ -228,7 +229,7 @@ def _kinds_of_steps(uv: np.ndarray, extent: float) -> np.ndarray:
     return kinds
 
 
-def _ones_before(uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _ones_before(uv: FloatArray) -> tuple[FloatArray, IntArray]:
     """Return the last position before each frame, and how many frames ago; 0 where none is."""
     n = len(uv)
     there = np.isfinite(uv[..., 0])
@@ -239,7 +240,7 @@ def _ones_before(uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return before, gap
 
 
-def _at_clicks(uv: np.ndarray, annotations: Annotations, *, sd: float, extent: float) -> np.ndarray:
+def _at_clicks(uv: FloatArray, annotations: Annotations, *, sd: float, extent: float) -> FloatArray:
     """Return how much likelier predictions at clicks are where they are right than where not.
 
     One that is not right is anywhere, or as near to another click of that frame as one that is
@@ -265,7 +266,7 @@ def _at_clicks(uv: np.ndarray, annotations: Annotations, *, sd: float, extent: f
     return ratio
 
 
-def _estimate_sd(apart: np.ndarray, right: np.ndarray, extent: float) -> float:
+def _estimate_sd(apart: FloatArray, right: FloatArray, extent: float) -> float:
     """Return the standard deviation of predictions that are right, px."""
     clicked = np.isfinite(apart)
     weight = right[clicked]

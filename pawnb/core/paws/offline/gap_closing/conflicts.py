@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
@@ -42,9 +43,9 @@ class ClosedGap:
 
     point: int
     gap: Gap
-    taken: np.ndarray
-    stood: np.ndarray
-    standing: np.ndarray
+    taken: IntArray
+    stood: BoolArray
+    standing: FloatArray
     cost: float
 
 
@@ -76,7 +77,7 @@ def resolve_conflicts(
     closed = list(closed)
     against = [np.zeros((*one.taken.shape, n_detections)) for one in closed]
 
-    def without(goes: int, others: list[int]) -> tuple[ClosedGap, np.ndarray]:
+    def without(goes: int, others: list[int]) -> tuple[ClosedGap, FloatArray]:
         claimed = against[goes].copy()
         for k in others:
             claimed = np.maximum(claimed, _claims(closed[k], closed[goes], n_detections))
@@ -105,13 +106,13 @@ def _share(one: ClosedGap, other: ClosedGap) -> bool:
     return bool((((a == b) & (a >= 0)).sum(axis=1) >= _VIEWS).any())
 
 
-def _together(one: ClosedGap, other: ClosedGap) -> tuple[np.ndarray, np.ndarray]:
+def _together(one: ClosedGap, other: ClosedGap) -> tuple[IntArray, IntArray]:
     """Return the rows of either of the frames that both have."""
     _, mine, theirs = np.intersect1d(one.gap.frames, other.gap.frames, return_indices=True)
     return mine, theirs
 
 
-def _claims(stays: ClosedGap, goes: ClosedGap, n_detections: int) -> np.ndarray:
+def _claims(stays: ClosedGap, goes: ClosedGap, n_detections: int) -> FloatArray:
     """Return what speaks against detections (f, V, C) of one that another took."""
     cost = np.zeros((*goes.taken.shape, n_detections))
     theirs, mine = _together(stays, goes)

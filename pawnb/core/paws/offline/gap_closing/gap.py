@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, IntArray
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.stride.stance import Stance
 
@@ -25,14 +26,14 @@ class Gap:
         +1, or -1 where it is followed backwards in time.
     """
 
-    before: np.ndarray
-    frames: np.ndarray
-    after: np.ndarray
+    before: IntArray
+    frames: IntArray
+    after: IntArray
     is_last: bool
     way: int
 
     @classmethod
-    def of(cls, first: int, stop: int, is_open: np.ndarray) -> Gap:
+    def of(cls, first: int, stop: int, is_open: BoolArray) -> Gap:
         """Return the stretch ``first`` to ``stop`` (exclusive); the first one goes backwards."""
         n = len(is_open)
         frames = np.arange(n)
@@ -60,7 +61,7 @@ class Gap:
         return stances[ends.index(edge)] if edge in ends else None
 
 
-def _certain_frames(is_open: np.ndarray, most: int) -> int:
+def _certain_frames(is_open: BoolArray, most: int) -> int:
     """Return how many frames are certain before the first open one, at most ``most``."""
     near = is_open[:most]
     return int(np.argmax(near)) if near.any() else len(near)

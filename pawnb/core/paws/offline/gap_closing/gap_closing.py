@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.clutter.limb_clutter import learn_limb_clutter
@@ -40,8 +41,8 @@ def close_gaps(
     observations: Observations,
     *,
     geometry: Projection,
-    paw_width_px: np.ndarray,
-    tracked_in_view: np.ndarray,
+    paw_width_px: FloatArray,
+    tracked_in_view: BoolArray,
     motion_model: MotionModel,
 ) -> GapClosing:
     """Choose detections for every point where its path is not certain.
@@ -125,21 +126,21 @@ class _GapCloser:
     """Tells what points did where they are not certain; see :func:`close_gaps`."""
 
     state: TrackingState
-    sure: np.ndarray  # (n, P, d), certain places
+    sure: FloatArray  # (n, P, d), certain places
     observations: Observations
-    cost: np.ndarray  # (n, P, V, C)
+    cost: FloatArray  # (n, P, V, C)
     substrate: Substrate
     stances: list[list[Stance]]
-    uv: np.ndarray  # (n, P, V, 2), where all points are as far as is known
+    uv: FloatArray  # (n, P, V, 2), where all points are as far as is known
     parameters: MHTParameters
     process_noise: ProcessNoise  # but for the direction of time of each stretch
     geometry: Projection
-    paw_width_px: np.ndarray
-    excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
+    paw_width_px: FloatArray
+    excused: FloatArray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
 
     def close_all(
-        self, tracked_in_view: np.ndarray, is_open: np.ndarray, *, n_detections: int
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, tracked_in_view: BoolArray, is_open: BoolArray, *, n_detections: int
+    ) -> tuple[IntArray, FloatArray]:
         """Close all stretches, each by itself, then those again in which two points took one paw.
 
         Returns
@@ -170,7 +171,7 @@ class _GapCloser:
         return choice, held
 
     def close(
-        self, point: int, gap: Gap, tracked_in_view: np.ndarray, against: np.ndarray | float = 0.0
+        self, point: int, gap: Gap, tracked_in_view: BoolArray, against: np.ndarray | float = 0.0
     ) -> ClosedGap:
         """Tell a stretch, given what speaks ``against`` detections (frames, V, C) besides."""
         motion_model = self.substrate.motion_model
@@ -203,7 +204,7 @@ class _GapCloser:
             motion_model=motion_model, alike=alike, are_apart=state.are_apart,
         )  # fmt: skip
 
-    def _due(self, point: int, gap: Gap) -> np.ndarray | None:
+    def _due(self, point: int, gap: Gap) -> FloatArray | None:
         """Return what speaks against lifting off before each frame of a stretch and after it.
 
         Nothing where nothing is known of it: of the swing itself, or of the rhythm.
@@ -223,7 +224,7 @@ class _GapCloser:
         later = [one for one in stances if one.first >= now.stop]
         return stride.duty_factor.due(point, now, later[0] if later else None, frames=frames)
 
-    def _standing(self, point: int, gap: Gap, *, is_told: bool) -> tuple[np.ndarray, np.ndarray]:
+    def _standing(self, point: int, gap: Gap, *, is_told: bool) -> tuple[FloatArray, FloatArray]:
         """Return where a point stands where a stretch begins, and in its frames (frames, d).
 
         NaN where it does not stand there, and where nothing follows and it is not known when it
@@ -236,7 +237,7 @@ class _GapCloser:
         edge = substrate.places(stance, gap.before[-1:])[0]
         return edge, substrate.places(stance, gap.frames)
 
-    def _how(self, point: int, gap: Gap, tracked_in_view: np.ndarray) -> TargetModel:
+    def _how(self, point: int, gap: Gap, tracked_in_view: BoolArray) -> TargetModel:
         """Return the model of a point."""
         substrate, way = self.substrate, gap.way
         # backwards in time a paw that stands has not landed yet: how it will is not known
@@ -259,9 +260,9 @@ class _GapCloser:
         self,
         point: int,
         gap: Gap,
-        tracked_in_view: np.ndarray,
-        standing: np.ndarray,
-        due: np.ndarray | None,
+        tracked_in_view: BoolArray,
+        standing: FloatArray,
+        due: FloatArray | None,
     ) -> GapEvidence:
         """Return what the frames of a stretch show of a point that may stand there.
 
@@ -312,7 +313,7 @@ class _GapCloser:
         return ExpectedPositions(at, variance, axes, most)
 
 
-def _appearance_cost(detection_probability: np.ndarray) -> np.ndarray:
+def _appearance_cost(detection_probability: FloatArray) -> FloatArray:
     """Return what speaks against detections for how much they look like paws."""
     return np.asarray(
         -GAP_CLOSING.gap_closing_look
@@ -322,11 +323,11 @@ def _appearance_cost(detection_probability: np.ndarray) -> np.ndarray:
 
 def _candidate_costs(
     state: TrackingState,
-    is_open: np.ndarray,
+    is_open: BoolArray,
     observations: Observations,
     geometry: Projection,
-    paw_width_px: np.ndarray,
-) -> np.ndarray:
+    paw_width_px: FloatArray,
+) -> FloatArray:
     """Return what speaks against each detection (n, P, V, C) being each point."""
     n, n_points, _ = state.chosen.shape
     x = np.where(is_open[..., None], np.nan, state.chosen)

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
@@ -25,10 +26,10 @@ _JUMP = np.array([[1 / 3, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.0]])
 
 def process_noise_of(
     parameters: MHTParameters,
-    substrate_velocity: np.ndarray,
+    substrate_velocity: FloatArray,
     *,
-    liftoff_velocity: np.ndarray | None = None,
-    across: np.ndarray | None = None,
+    liftoff_velocity: FloatArray | None = None,
+    across: FloatArray | None = None,
 ) -> ProcessNoise:
     """Return how hypotheses go on from frame to frame.
 
@@ -70,8 +71,8 @@ def process_noise_of(
 
 
 def state_after(
-    places: np.ndarray, substrate_velocity: np.ndarray, *, parameters: MHTParameters, speed: float
-) -> tuple[np.ndarray, np.ndarray]:
+    places: FloatArray, substrate_velocity: FloatArray, *, parameters: MHTParameters, speed: float
+) -> tuple[FloatArray, FloatArray]:
     """Return state (3, d) and covariance (3, 3) at the last of consecutive certain places.
 
     Parameters

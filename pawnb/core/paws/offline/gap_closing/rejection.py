@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
@@ -19,13 +20,13 @@ from pawnb.core.paws.offline.stride.swing import Swings
 
 
 def frames_to_reassociate(
-    chosen: np.ndarray,
-    annotated: np.ndarray,
+    chosen: FloatArray,
+    annotated: BoolArray,
     *,
     motion_model: MotionModel,
     duty_factor: DutyFactor | None = None,
     swings: Swings | None = None,
-) -> np.ndarray:
+) -> BoolArray:
     """Return the frames in which points are not certain, or not any more.
 
     Parameters
@@ -66,7 +67,7 @@ def frames_to_reassociate(
     return is_open
 
 
-def off_trajectory(sure: np.ndarray, swings: Swings, motion_model: MotionModel) -> np.ndarray:
+def off_trajectory(sure: FloatArray, swings: Swings, motion_model: MotionModel) -> BoolArray:
     """Tell which places (n, P, d) are off the arcs of swings, forward or up; shape (n, P).
 
     Parameters
@@ -90,7 +91,7 @@ def off_trajectory(sure: np.ndarray, swings: Swings, motion_model: MotionModel) 
     return np.asarray(square.sum(axis=-1) > GAP_CLOSING.off_arc**2)
 
 
-def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> np.ndarray:
+def drawn_off(stances: Sequence[Stance], is_open: BoolArray, *, most: int) -> BoolArray:
     """Tell which frames of a point lie between the end of a stance and a gap soon after it.
 
     What seems to lift off and is lost at once was mostly drawn off: the end of its path lies on
@@ -120,7 +121,7 @@ def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> n
     return lost
 
 
-def hops(stances: Sequence[Stance], is_open: np.ndarray, *, least: float) -> np.ndarray:
+def hops(stances: Sequence[Stance], is_open: BoolArray, *, least: float) -> BoolArray:
     """Tell which frames of a point belong to a stance that no swing leads to.
 
     Of two stances with hardly a swing between them the shorter one is another paw's, with all of
@@ -152,7 +153,7 @@ def hops(stances: Sequence[Stance], is_open: np.ndarray, *, least: float) -> np.
 
 
 def without_hops(
-    stances: Sequence[Sequence[Stance]], is_open: np.ndarray, duty_factor: DutyFactor | None
+    stances: Sequence[Sequence[Stance]], is_open: BoolArray, duty_factor: DutyFactor | None
 ) -> tuple[list[list[Stance]], np.ndarray]:
     """Leave out stances that no swing leads to: what follows the last of them is another paw.
 
@@ -183,12 +184,12 @@ def without_hops(
     return kept, lost
 
 
-def _until_open(is_open: np.ndarray) -> int:
+def _until_open(is_open: BoolArray) -> int:
     """Return how many frames come before the first open one."""
     return int(np.argmax(is_open)) if is_open.any() else len(is_open)
 
 
-def open_frames(certain: np.ndarray, annotated: np.ndarray) -> np.ndarray:
+def open_frames(certain: BoolArray, annotated: BoolArray) -> BoolArray:
     """Return the frames (n,) of one point whose detections are to be chosen.
 
     Parameters
@@ -205,7 +206,7 @@ def open_frames(certain: np.ndarray, annotated: np.ndarray) -> np.ndarray:
     return np.asarray(is_open & ~(annotated & certain))
 
 
-def runs(mask: np.ndarray) -> list[tuple[int, int]]:
+def runs(mask: BoolArray) -> list[tuple[int, int]]:
     """Return first frame and one past the last of every run of True."""
     edge = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
     return [(int(a), int(b)) for a, b in edge.reshape(-1, 2)]

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
@@ -67,14 +68,14 @@ class TrackingState:
     """
 
     assignment: Assignment
-    before: np.ndarray
-    trust: np.ndarray
+    before: FloatArray
+    trust: FloatArray
     stride: StrideModel
-    body: np.ndarray | None = None
+    body: FloatArray | None = None
     kinds: Sequence[str] = ()
     are_apart: bool = True
 
     @property
-    def chosen(self) -> np.ndarray:
+    def chosen(self) -> FloatArray:
         """Certain places (n, P, d), NaN elsewhere."""
         return self.assignment.at

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
@@ -49,11 +50,11 @@ class UsualRegion(NamedTuple):
 
 
 def usual_region(
-    sure: np.ndarray,
-    body: np.ndarray | None,
+    sure: FloatArray,
+    body: FloatArray | None,
     point: int,
     *,
-    frames: np.ndarray,
+    frames: IntArray,
     motion_model: MotionModel,
     alike: Sequence[tuple[int, np.ndarray]] = (),
     are_apart: bool = True,

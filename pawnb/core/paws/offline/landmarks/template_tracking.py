@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.landmarks.parameters import LANDMARKS
 from pawnb.core.paws.superpixels import FramePixels
@@ -26,8 +27,8 @@ from pawnb.core.rig import Rig
 class _Patch:
     """A landmark's surroundings in one frame: a picture, and where in it the landmark is."""
 
-    picture: np.ndarray
-    at: np.ndarray
+    picture: ByteArray
+    at: FloatArray
 
 
 @dataclass
@@ -52,7 +53,7 @@ class _LandmarkState:
         How much it usually looks like its patches where it is seen.
     """
 
-    uv: np.ndarray
+    uv: FloatArray
     window: int
     is_seen: bool = True
     patches: list[_Patch] = field(default_factory=list)
@@ -132,7 +133,7 @@ class TemplateTracker:
         box = self._box(key[0], place.uv)
         return _Patch(self._grey(pictures, key[0], box), place.uv - box[:2])
 
-    def _box(self, view: int, centre: np.ndarray) -> tuple[int, int, int, int]:
+    def _box(self, view: int, centre: FloatArray) -> tuple[int, int, int, int]:
         """Return the region around a position: left, top, right, bottom within the picture."""
         half = LANDMARKS.template_tracking_around * self._windows[view]
         ends = []
@@ -153,7 +154,7 @@ class TemplateTracker:
 
     def _follow(
         self, key: tuple[int, int], state: _LandmarkState, pictures: Mapping[str, FramePixels]
-    ) -> tuple[np.ndarray, float]:
+    ) -> tuple[FloatArray, float]:
         """Follow one landmark in one view; NaN and 0 where it is not seen."""
         if self._before is None or not np.isfinite(state.uv).all():
             return np.full(2, np.nan), 0.0
@@ -174,7 +175,7 @@ class TemplateTracker:
         state.uv = at + box[:2]
         return state.uv.copy(), max(alike, LANDMARKS.least_likeness)
 
-    def _agree(self, uv: np.ndarray, likeness: np.ndarray) -> None:
+    def _agree(self, uv: FloatArray, likeness: FloatArray) -> None:
         """Let the views correct each other: one of three may be wrong, a lost one is helped."""
         rig = self.layout.rig
         if rig is None:
@@ -198,7 +199,7 @@ class TemplateTracker:
                     self._states[view, point].uv = place
                     self._states[view, point].is_seen = False
 
-    def _lose(self, view: int, point: int, uv: np.ndarray, likeness: np.ndarray) -> None:
+    def _lose(self, view: int, point: int, uv: FloatArray, likeness: FloatArray) -> None:
         """Take back that a view has seen a landmark."""
         uv[view, point], likeness[view, point] = np.nan, 0.0
         self._states[view, point].is_seen = False
@@ -210,7 +211,7 @@ def window_px(width: int) -> int:
 
 
 def _find(
-    state: _LandmarkState, was: np.ndarray, now: np.ndarray, begin: np.ndarray
+    state: _LandmarkState, was: np.ndarray, now: np.ndarray, begin: FloatArray
 ) -> tuple[np.ndarray, float] | None:
     """Find a landmark in the region where it was at ``begin``: where, and how much alike."""
     window = state.window
@@ -247,8 +248,8 @@ def _flow(was: np.ndarray, now: np.ndarray, at: np.ndarray, window: int) -> np.n
 
 
 def _lucas_kanade(
-    was: np.ndarray, now: np.ndarray, at: np.ndarray, guess: np.ndarray, window: int, *, levels: int
-) -> np.ndarray | None:
+    was: ByteArray, now: ByteArray, at: FloatArray, guess: FloatArray, window: int, *, levels: int
+) -> FloatArray | None:
     """Return where the surroundings of ``at`` are in another picture, sought from a guess."""
     first, then = (np.asarray(x, np.float32)[None, None].copy() for x in (at, guess))
     either = cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT
@@ -263,8 +264,8 @@ def _lucas_kanade(
 
 
 def _align(
-    patches: Sequence[_Patch], now: np.ndarray, guess: np.ndarray, window: int
-) -> tuple[np.ndarray, float]:
+    patches: Sequence[_Patch], now: ByteArray, guess: FloatArray, window: int
+) -> tuple[FloatArray, float]:
     """Return where a patch fits best near a guess, and how well: the clicked one if it does."""
     best, likeness = guess, -1.0
     for patch in patches:
@@ -290,7 +291,7 @@ def _in_the_light_of(patch: _Patch, now: np.ndarray, guess: np.ndarray, window: 
     return cv2.convertScaleAbs(patch.picture, alpha=gain, beta=other.mean() - gain * own.mean())
 
 
-def _seek(patches: Sequence[_Patch], now: np.ndarray, window: int) -> tuple[np.ndarray, float]:
+def _seek(patches: Sequence[_Patch], now: ByteArray, window: int) -> tuple[FloatArray, float]:
     """Return where in the whole region a patch fits best, and how well."""
     best, likeness = np.zeros(2), -1.0
     for patch in patches:
@@ -311,7 +312,7 @@ def _cut(picture: np.ndarray, at: np.ndarray, window: int) -> np.ndarray:
 
 
 def _correlate(
-    one: np.ndarray, at: np.ndarray, other: np.ndarray, there: np.ndarray, window: int
+    one: ByteArray, at: FloatArray, other: ByteArray, there: FloatArray, window: int
 ) -> float:
     """Return the correlation of two patches; 0 where either has no texture."""
     first, second = _cut(one, at, window), _cut(other, there, window)
@@ -321,8 +322,8 @@ def _correlate(
 
 
 def _contradicted(
-    rig: Rig, uv: np.ndarray, windows: Sequence[int]
-) -> tuple[int | None, np.ndarray]:
+    rig: Rig, uv: FloatArray, windows: Sequence[int]
+) -> tuple[int | None, FloatArray]:
     """Return the view without which the others agree, if there is one, and their place."""
     tried = []
     for view in np.flatnonzero(np.isfinite(uv[:, 0])):

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.landmarks.parameters import LANDMARKS
 from pawnb.core.paws.offline.landmarks.template_tracking import window_px
@@ -29,7 +30,7 @@ _BODY_PART = re.compile(
 
 def choose_landmarks(
     points: Sequence[str], kinds: Sequence[str], named: Sequence[str] = ()
-) -> np.ndarray:
+) -> BoolArray:
     """Tell which points are landmarks rather than paws.
 
     Parameters
@@ -95,10 +96,10 @@ def check_landmarks(layout: Layout, placed: Mapping[int, Sequence[Placement]]) -
 
 
 def join_views(
-    uv: np.ndarray,
-    likeness: np.ndarray,
+    uv: FloatArray,
+    likeness: FloatArray,
     *,
-    by_hand: np.ndarray,
+    by_hand: BoolArray,
     layout: Layout,
     fps: float,
     max_occlusion_s: float,
@@ -162,14 +163,14 @@ def join_views(
 
 
 def _smoothest(
-    x: np.ndarray,
-    uv: np.ndarray,
-    sigma: np.ndarray,
+    x: FloatArray,
+    uv: FloatArray,
+    sigma: FloatArray,
     *,
-    by_hand: np.ndarray,
+    by_hand: BoolArray,
     jerk: float,
     geometry: Projection,
-) -> tuple[np.ndarray, NormalEquations]:
+) -> tuple[FloatArray, NormalEquations]:
     """Return the smoothest path (n, d) through what views (n, V) have seen, and what it solves."""
     table = geometry.rows
     seen = np.isfinite(uv[..., 0])
@@ -191,7 +192,7 @@ def _smoothest(
     return x, NormalEquations(W, z, jerk2[:, None], np.zeros(z.shape), None, spread)
 
 
-def _near(placed: np.ndarray, n: int, longest: float) -> np.ndarray:
+def _near(placed: IntArray, n: int, longest: float) -> BoolArray:
     """Tell which of n frames lie on or between frames that are no further apart than that."""
     known = np.zeros(n, dtype=bool)
     known[placed] = True

@@ -19,6 +19,7 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits
 from pawnb.core.paws.offline.quality.measures import (
@@ -224,7 +225,7 @@ def _labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
     return read_labels(tracks, clicks)
 
 
-def _views_of(labels: Labels, p: int) -> np.ndarray:
+def _views_of(labels: Labels, p: int) -> IntArray:
     """Return the views in which a point was ever found; all where it was in none."""
     views = np.flatnonzero(labels.found[:, :, p].any(axis=0))
     return views if len(views) else np.arange(labels.found.shape[1])
@@ -252,7 +253,7 @@ def _point_quality(
     p: int,
     names: Sequence[str],
     labels: Labels,
-    chance: np.ndarray,
+    chance: FloatArray,
     measures: Sequence[Measure],
     limits: QualityLimits,
 ) -> PointQuality:
@@ -279,7 +280,7 @@ def _point_quality(
 
 
 def _words(
-    measure: Measure, p: int, names: Sequence[str], views: np.ndarray, left: np.ndarray
+    measure: Measure, p: int, names: Sequence[str], views: IntArray, left: FloatArray
 ) -> str:
     """Say what a measure has against a point, and in how many frames."""
     hit = left < QUALITY.telling_left

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit, logit, ndtr
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.core.paws.offline.quality.signs import Signs
 
@@ -14,12 +15,12 @@ _HALVINGS = 40
 """Numerics: halvings of an interval, to one part in 1e12."""
 
 
-def probability_right(signs: Signs) -> np.ndarray:
+def probability_right(signs: Signs) -> FloatArray:
     """Return the probability (n,) that estimates lie within half a paw of the truth."""
     return np.minimum(expit(log_odds(signs.columns())), signs.probability)
 
 
-def log_odds(columns: np.ndarray) -> np.ndarray:
+def log_odds(columns: FloatArray) -> FloatArray:
     """Return the log-odds (n,) of that, of columns (n, 5) of :class:`.signs.Signs`."""
     return np.asarray(columns @ np.array(QUALITY.weights) + QUALITY.offset)
 
@@ -51,7 +52,7 @@ def of_all_views(chance: np.ndarray) -> np.ndarray:
     return np.broadcast_to(np.where(n > 0, expit(mean), 0.0), chance.shape)
 
 
-def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float | np.ndarray) -> np.ndarray:
+def standard_deviation(sd: FloatArray, right: FloatArray, extent: float | np.ndarray) -> FloatArray:
     """Return the standard deviation of estimates along each axis.
 
     An estimate is either right, but for what a click is off by, or astray by about the size of

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import expit
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.quality.calibration import log_odds
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
@@ -38,7 +39,7 @@ class LeftOutClick:
     point: int
     found: float
     right: bool
-    signs: np.ndarray
+    signs: FloatArray
 
 
 def offsets(
@@ -70,7 +71,7 @@ def offsets(
     }
 
 
-def _offset(right: np.ndarray, odds: np.ndarray, middle: float) -> float:
+def _offset(right: FloatArray, odds: FloatArray, middle: float) -> float:
     """Return the offset that is likeliest with a normal prior about ``middle``."""
 
     def slope(offset: float) -> float:

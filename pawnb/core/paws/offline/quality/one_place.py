@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 from scipy.ndimage import binary_opening
 
+from pawnb.arrays import BoolArray
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
@@ -15,7 +16,7 @@ from pawnb.core.paws.offline.quality.parameters import QUALITY
 def on_one_place(labels: Labels, limits: QualityLimits) -> Measure:
     """Measure how long two names lie on one place in all pictures that have both."""
 
-    def near(p: int, q: int) -> np.ndarray:
+    def near(p: int, q: int) -> BoolArray:
         away = np.linalg.norm(labels.uv[:, :, p] - labels.uv[:, :, q], axis=-1)
         both = np.isfinite(away)
         # in space they share a place only where every view that has both says so
@@ -32,7 +33,7 @@ def on_one_place_in_space(labels: Labels, limits: QualityLimits) -> Measure:
     """
     body = np.nanmax(labels.clicked_apart, initial=0.0)
 
-    def near(p: int, q: int) -> np.ndarray:
+    def near(p: int, q: int) -> BoolArray:
         away = np.linalg.norm(labels.space[:, p] - labels.space[:, q], axis=-1)
         # what is not known is NaN and compares as False
         return np.asarray(

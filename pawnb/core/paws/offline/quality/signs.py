@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
@@ -48,14 +49,14 @@ class Signs:
         say (:func:`.left_out.offsets`); 0 where none could be left out.
     """
 
-    probability: np.ndarray
+    probability: FloatArray
     motion_along: np.ndarray
     look: np.ndarray
-    broken: np.ndarray
+    broken: FloatArray
     usual_look: float
     left_out: float = 0.0
 
-    def columns(self) -> np.ndarray:
+    def columns(self) -> FloatArray:
         """Return the signs (n, 5) as they enter the calibration."""
         broken = np.log1p(np.minimum(self.broken, QUALITY.broken_most))
         usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
@@ -67,7 +68,7 @@ def read_signs(
     *,
     motion: np.ndarray,
     look: np.ndarray,
-    agreement: np.ndarray,
+    agreement: FloatArray,
     clicked: Sequence[int],
     usual_look: float,
     left_out: float = 0.0,
@@ -124,7 +125,7 @@ def _at_estimates(ratios: np.ndarray, found: Estimates) -> np.ndarray:
     return np.asarray(np.log(ratios[np.arange(len(x)), y, x]))
 
 
-def sum_from_clicks(values: np.ndarray, clicked: Sequence[int]) -> np.ndarray:
+def sum_from_clicks(values: FloatArray, clicked: Sequence[int]) -> FloatArray:
     """Return the sum of values over the way from a click, by the way on which it is least.
 
     Parameters
@@ -149,7 +150,7 @@ def sum_from_clicks(values: np.ndarray, clicked: Sequence[int]) -> np.ndarray:
     return least
 
 
-def mean_along(values: np.ndarray, stops: Sequence[int]) -> np.ndarray:
+def mean_along(values: np.ndarray, stops: Sequence[int]) -> FloatArray:
     """Return the mean of values over the rows about each, up to the next stop on either side.
 
     Parameters

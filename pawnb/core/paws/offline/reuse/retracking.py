@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.learnt import Earlier, Learnt, learnt_of
 from pawnb.core.paws.offline.parameters import APPEARANCE, RUN
@@ -140,13 +141,13 @@ class Again:
         return Earlier(Learnt(lessons, learnt.agreement), uv, chance)
 
     @cached_property
-    def _frames(self) -> np.ndarray:
+    def _frames(self) -> IntArray:
         return np.asarray(self.tracks["frame"].to_numpy())
 
     def _learnt(self, points: tuple[str, ...], first: int) -> Mapping[str, Learnt]:
         return learnt_of(self.tracks, points, first)
 
-    def _of_view(self, view: str, points: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
+    def _of_view(self, view: str, points: Sequence[str]) -> tuple[FloatArray, FloatArray]:
         """Return positions (n, P, 2) and how likely they are right (n, P); 0 where not seen."""
         own = self.tracks.isel(individual=0).sel(view=view, keypoint=list(points))
         uv = own["image_position"].transpose("time", "keypoint", "image_space").to_numpy()

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.parameters import SceneParameters
 from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
 from pawnb.core.paws.offline.scene.following import follow_animal
@@ -32,20 +33,20 @@ class ViewBodyFrame:
         Whether the camera moves.
     """
 
-    centre: np.ndarray
-    angle: np.ndarray
+    centre: FloatArray
+    angle: FloatArray
     kind: str
     pans: bool
 
-    def rotations(self) -> np.ndarray:
+    def rotations(self) -> FloatArray:
         """Return the rotation (n, 2, 2) from the view to the body."""
         c, s = np.cos(self.angle), np.sin(self.angle)
         return np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
 
 
 def find_body_frame(
-    pictures: np.ndarray,
-    clicks: Mapping[int, np.ndarray],
+    pictures: ByteArray,
+    clicks: Mapping[int, FloatArray],
     extent: float,
     *,
     scale: float,
@@ -120,13 +121,13 @@ def _moving(blob: Blob) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return frames
 
 
-def _smooth(values: np.ndarray, sd_frames: float) -> np.ndarray:
+def _smooth(values: FloatArray, sd_frames: float) -> FloatArray:
     """Return values smoothed over time."""
     row = np.ascontiguousarray(values, float)[None]
     return cv2.GaussianBlur(row, (0, 0), sd_frames, borderType=cv2.BORDER_REPLICATE)[0]
 
 
-def _held(centre: np.ndarray, angle: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+def _held(centre: FloatArray, angle: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
     """Return a frame that moves in steps."""
     centre, angle = centre.copy(), angle.copy()
     for t in range(1, len(angle)):
@@ -137,11 +138,11 @@ def _held(centre: np.ndarray, angle: np.ndarray, step: float) -> tuple[np.ndarra
 
 
 def _alikeness(
-    difference: np.ndarray,
-    clicks: Mapping[int, np.ndarray],
+    difference: Float32Array,
+    clicks: Mapping[int, FloatArray],
     extent: float,
-    centre: np.ndarray,
-    angle: np.ndarray,
+    centre: FloatArray,
+    angle: FloatArray,
 ) -> float:
     """Return the mean correlation of the foreground with that of the clicked frames."""
     n = len(difference)
@@ -151,7 +152,7 @@ def _alikeness(
     compared = np.unique(np.linspace(0, n - 1, min(n, CAMERA.body_compared)).astype(int))
     rotation = ViewBodyFrame(centre, angle, "", pans=False).rotations()
 
-    def patch(t: int, offset: np.ndarray) -> np.ndarray:
+    def patch(t: int, offset: FloatArray) -> FloatArray:
         A = rotation[t] * (CAMERA.body_side_px / (CAMERA.body_shown * extent))
         there = centre[t] + rotation[t].T @ offset
         to_patch = np.hstack([A, (CAMERA.body_side_px / 2 - A @ there)[:, None]])

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
@@ -46,16 +47,16 @@ class BottomView(InSpace):
     substrate: float
 
     @property
-    def from_below(self) -> np.ndarray:
+    def from_below(self) -> BoolArray:
         """The view that leads."""
         return np.arange(len(self.paw_width_px)) == self.view
 
-    def flat(self, x: np.ndarray) -> np.ndarray:
+    def flat(self, x: FloatArray) -> FloatArray:
         """Return where points (..., 3) seem to be on the plane."""
         uv = dlt.project(self.coefs[:, [self.view]], x)[..., 0, :]
         return self.on_plane(uv, np.full(uv.shape[:-1], self.substrate))
 
-    def on_plane(self, uv: np.ndarray, height: np.ndarray) -> np.ndarray:
+    def on_plane(self, uv: FloatArray, height: FloatArray) -> FloatArray:
         """Return the points (..., 3) at some heights (...) that the view sees at ``uv``."""
         L = self.coefs[:, self.view]
         rows = np.stack(
@@ -85,26 +86,26 @@ class BottomView(InSpace):
 
     def anchors_of_paths(
         self,
-        here: Mapping[int, np.ndarray],
+        here: Mapping[int, FloatArray],
         found: InViews,
         observations: Observations,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
-    ) -> dict[int, np.ndarray]:
+    ) -> dict[int, FloatArray]:
         """Return where placed points seem to be on the plane: from below middles were clicked."""
         return {p: self.flat(x) for p, x in here.items()}
 
     def tracked_points(
-        self, places: np.ndarray, observations: Observations, *, acceleration: float
-    ) -> np.ndarray:
+        self, places: FloatArray, observations: Observations, *, acceleration: float
+    ) -> FloatArray:
         """Return where the tracked points are, with heights; the view that leads tells the rest."""
         return tracked_points(
             self.to_space(places, observations, acceleration), observations,
             geometry=self.projection, paw_width_px=self.paw_width_px, view=self.view,
         )  # fmt: skip
 
-    def appearance_cost(self, total: np.ndarray) -> np.ndarray:
+    def appearance_cost(self, total: FloatArray) -> FloatArray:
         """Return a share of the costs: no second view has confirmed the places."""
         return np.asarray(NETWORK_FLOW.look_below * total)
 
@@ -133,8 +134,8 @@ class BottomView(InSpace):
         return PointHypotheses(at[kept], cost[kept])
 
     def heights(
-        self, uv: np.ndarray, seen: Sequence[np.ndarray], good: Sequence[np.ndarray]
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, uv: FloatArray, seen: Sequence[np.ndarray], good: Sequence[FloatArray]
+    ) -> tuple[FloatArray, FloatArray]:
         """Return what the other views say of the height of points.
 
         Parameters
@@ -177,8 +178,8 @@ class BottomView(InSpace):
         return np.concatenate(heights, axis=1), np.concatenate(price, axis=1)
 
     def to_space(
-        self, flat: np.ndarray, observations: Observations, acceleration: float
-    ) -> np.ndarray:
+        self, flat: FloatArray, observations: Observations, acceleration: float
+    ) -> FloatArray:
         """Give paths on the plane their heights.
 
         Parameters
@@ -212,8 +213,8 @@ class BottomView(InSpace):
         return lifted
 
     def _told(
-        self, uv: np.ndarray, t: int, point: int, observations: Observations
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, uv: FloatArray, t: int, point: int, observations: Observations
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the heights that views tell of one place, and what each costs."""
         there = observations.is_there[t]
         # all spots are moved alike
@@ -275,7 +276,7 @@ def _likeliest(
 
 
 def find_bottom_view(
-    jacobian: np.ndarray, up: np.ndarray, here: Sequence[Placement], *, n_points: int
+    jacobian: FloatArray, up: FloatArray, here: Sequence[Placement], *, n_points: int
 ) -> int | None:
     """Return the view that leads, or None.
 

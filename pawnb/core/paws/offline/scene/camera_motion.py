@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
@@ -23,15 +24,15 @@ class CameraMotion:
         Whether the camera moves at all.
     """
 
-    to_first: np.ndarray
+    to_first: FloatArray
     pans: bool
 
-    def between(self, source: int, target: int) -> np.ndarray:
+    def between(self, source: int, target: int) -> FloatArray:
         """Return the similarity (3, 3) from one picture to another."""
         return np.linalg.solve(self.to_first[target], self.to_first[source])
 
 
-def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
+def find_camera_motion(pictures: ByteArray) -> CameraMotion:
     """Find the camera's motion.
 
     Parameters
@@ -66,7 +67,7 @@ def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
     return CameraMotion(to_first, pans=True)
 
 
-def _step(before: np.ndarray, after: np.ndarray) -> tuple[float, float, np.ndarray]:
+def _step(before: ByteArray, after: ByteArray) -> tuple[float, float, FloatArray]:
     """Return the share of features that stay, that follow one similarity, and this, backwards."""
     nothing = (1.0, 0.0, np.eye(3))
     corners = cv2.goodFeaturesToTrack(

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 
@@ -24,7 +25,7 @@ def frame_with_most_annotations(placed: Mapping[int, Sequence[Placement]]) -> in
 
 
 def shows_two_rows(
-    placed: Mapping[int, np.ndarray], kinds: Sequence[str], forward: np.ndarray
+    placed: Mapping[int, FloatArray], kinds: Sequence[str], forward: FloatArray
 ) -> bool:
     """Tell whether a single picture shows left and right paws in two rows, as from below.
 
@@ -57,7 +58,7 @@ def unlabelled_kinds(kinds: Sequence[str]) -> list[str]:
     return [kind for kind in ("front", "hind") if list(kinds).count(kind) == 1]
 
 
-def directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+def directions(layout: Layout) -> tuple[FloatArray, FloatArray]:
     """Return up and forward in space, or in the picture of a single view."""
     if layout.rig is not None:
         return np.array(layout.rig.up), np.array(layout.rig.forward)
@@ -65,8 +66,8 @@ def directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
 
 
 def clicked_positions(
-    here: Sequence[Placement], layout: Layout, up: np.ndarray
-) -> dict[int, np.ndarray]:
+    here: Sequence[Placement], layout: Layout, up: FloatArray
+) -> dict[int, FloatArray]:
     """Return the position of every point placed in one frame.
 
     Parameters

@@ -5,13 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.paws.offline.scene.camera_motion import CameraMotion
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 
 
 def follow_animal(
-    pictures: np.ndarray, camera: CameraMotion, *, begin: int, centre: np.ndarray, extent: float
-) -> np.ndarray:
+    pictures: ByteArray, camera: CameraMotion, *, begin: int, centre: FloatArray, extent: float
+) -> FloatArray:
     """Follow the animal from a clicked frame both ways, by the median of what moves about it.
 
     Legs swing and stand about the median; the median is the body's. What moves with it,
@@ -61,7 +62,7 @@ def _displacement(
     """Return how far the animal gets from one frame to another."""
     similarity = camera.between(source, target)
 
-    def by_camera(at: np.ndarray) -> np.ndarray:
+    def by_camera(at: np.ndarray) -> FloatArray:
         return np.asarray(at @ similarity[:2, :2].T + similarity[:2, 2])
 
     panned = by_camera(centre) - centre

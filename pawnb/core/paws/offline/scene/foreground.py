@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.scene.camera_motion import CameraMotion
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 
@@ -29,10 +30,10 @@ class Blob:
         Distance from the background, in thresholds, at most 3.
     """
 
-    centre: np.ndarray
-    angle: np.ndarray
-    elongation: np.ndarray
-    difference: np.ndarray
+    centre: FloatArray
+    angle: FloatArray
+    elongation: FloatArray
+    difference: Float32Array
 
 
 def find_blob(
@@ -77,7 +78,7 @@ def find_blob(
     return Blob(centre, angle, elongation, np.minimum(apart / threshold, CAMERA.blob_most))
 
 
-def _differences(pictures: np.ndarray, camera: CameraMotion) -> Iterator[np.ndarray]:
+def _differences(pictures: ByteArray, camera: CameraMotion) -> Iterator[np.ndarray]:
     """Yield the distance of every picture from the temporal median, float32."""
     n, height, width = pictures.shape
     if not camera.pans:

@@ -13,6 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
@@ -273,8 +274,8 @@ class Geometry(Protocol):
 
 
 def lateral_offset(
-    x: np.ndarray, anchors: Anchors, *, body: np.ndarray, point: int, across: np.ndarray
-) -> np.ndarray:
+    x: FloatArray, anchors: Anchors, *, body: FloatArray, point: int, across: FloatArray
+) -> FloatArray:
     """Return how far to the side of where a point was clicked places are.
 
     The side of an animal moves with it: both are taken relative to the body.

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 
 
@@ -36,8 +35,8 @@ class MotionModel:
     acceleration: float
     jerk: float
     speed: float
-    substrate_velocity: np.ndarray
-    axes: np.ndarray
+    substrate_velocity: FloatArray
+    axes: FloatArray
     substrate: float
     body_scale: float
     paw_width: float

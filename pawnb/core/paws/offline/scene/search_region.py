@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.detection.colour.scan import ROI
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT
@@ -31,9 +32,9 @@ class SearchRegion:
         Height in which paws are searched, in distances of front from hind paws.
     """
 
-    middle: np.ndarray
-    forward: np.ndarray
-    up: np.ndarray
+    middle: FloatArray
+    forward: FloatArray
+    up: FloatArray
     substrate: float
     body_scale: float
     height: float
@@ -46,7 +47,7 @@ class SearchRegion:
         return [(float(a), float(b)) for a, b in step]
 
     def search(
-        self, projection: Projection, sizes: Sequence[tuple[int, int]], from_below: np.ndarray
+        self, projection: Projection, sizes: Sequence[tuple[int, int]], from_below: BoolArray
     ) -> tuple[list[ROI], list[np.ndarray]]:
         """Return the region of each view, and the limits within which paws can be.
 
@@ -76,7 +77,7 @@ class SearchRegion:
             hulls.append(_hull(projection.project(self._box(MOVEMENT.hull_long, broad))[:, v]))
         return rois, hulls
 
-    def _box(self, long: float, broad: float) -> np.ndarray:
+    def _box(self, long: float, broad: float) -> FloatArray:
         """Return the corners of the box in which paws are searched."""
         base = self.middle + (self.substrate - self.middle @ self.up) * self.up
         sides = [np.zeros_like(self.up)]
@@ -92,7 +93,7 @@ class SearchRegion:
         )  # fmt: skip
 
 
-def _hull(corners: np.ndarray) -> np.ndarray:
+def _hull(corners: FloatArray) -> FloatArray:
     """Return the lines (m, 3) of the convex hull of points, positive inside."""
     hull = cv2.convexHull(corners.astype(np.float32))[:, 0].astype(float)
     edge = np.roll(hull, -1, axis=0) - hull

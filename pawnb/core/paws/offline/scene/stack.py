@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.parallel import Threads, in_parts
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import Annotations
@@ -53,11 +54,11 @@ class BodyStack:
         at the bottom.
     """
 
-    grey: np.ndarray
-    colour: np.ndarray | None
-    to_body: np.ndarray
-    forward: np.ndarray
-    backward: np.ndarray
+    grey: ByteArray
+    colour: ByteArray | None
+    to_body: FloatArray
+    forward: Float32Array
+    backward: Float32Array
     spacing: int
     body: ViewBodyFrame
     scale: float
@@ -81,20 +82,20 @@ class BodyStack:
             backward=self.backward[begin : end - 1],
         )
 
-    def to_grid(self, xy: np.ndarray) -> np.ndarray:
+    def to_grid(self, xy: np.ndarray) -> FloatArray:
         """Return places of the grid (x, y) of positions (..., 2) in working px."""
         return (np.asarray(xy, float) - self.spacing // 2) / self.spacing
 
-    def from_grid(self, place: np.ndarray) -> np.ndarray:
+    def from_grid(self, place: np.ndarray) -> FloatArray:
         """Return positions (..., 2) in working px of places of the grid."""
         return np.asarray(place, float) * self.spacing + self.spacing // 2
 
-    def grid_of(self, uv: np.ndarray, row: int) -> np.ndarray:
+    def grid_of(self, uv: FloatArray, row: int) -> FloatArray:
         """Return places of the grid of positions (..., 2), px of the view."""
         A = self.to_body[row]
         return self.to_grid(np.asarray(uv, float) @ A[:, :2].T + A[:, 2])
 
-    def picture_of(self, place: np.ndarray, row: int | np.ndarray) -> np.ndarray:
+    def picture_of(self, place: np.ndarray, row: int | np.ndarray) -> FloatArray:
         """Return positions (..., 2), px of the view, of places of the grid in a row (or rows)."""
         A = self.to_body[row]
         back = np.linalg.inv(A[..., :2])
@@ -198,7 +199,7 @@ class _Crops:
             grey = cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
         self.small.append(cv2.resize(grey, size, interpolation=cv2.INTER_AREA))
 
-    def look_and_keep(self, picture: np.ndarray) -> None:
+    def look_and_keep(self, picture: ByteArray) -> None:
         """Take a small picture of the whole view, and keep what is needed at the working scale."""
         self.look(picture)
         self.kept.append(self._shrunk(picture))
@@ -230,7 +231,7 @@ class _Crops:
         self.size = tuple(int(x) for x in np.ceil((high - low) / spacing) * spacing)
         self.to_body = np.concatenate([A, (offset - low)[..., None]], axis=2)
 
-    def take(self, picture: np.ndarray) -> None:
+    def take(self, picture: ByteArray) -> None:
         """Take what is in the body's frame of the next picture."""
         self._crop(self._shrunk(picture))
 
@@ -290,12 +291,12 @@ def _coloured(picture: np.ndarray) -> bool:
     return float(np.abs(picture[..., 0].astype(int) - picture[..., 2]).mean()) > CAMERA.colour_from
 
 
-def _flows(grey: np.ndarray, spacing: int) -> tuple[np.ndarray, np.ndarray]:
+def _flows(grey: ByteArray, spacing: int) -> tuple[Float32Array, Float32Array]:
     """Return dense flow between neighbouring frames (Kroeger et al. 2016), in places."""
     size = (grey.shape[2] // spacing, grey.shape[1] // spacing)
     halves = [cv2.resize(g, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for g in grey]
 
-    def between(pair: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    def between(pair: tuple[ByteArray, ByteArray]) -> Float32Array:
         flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
         flow.setFinestScale(0)
         flow.setPatchStride(CAMERA.flow_stride)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import Layout, Placement, Views
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
 from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig
@@ -55,8 +56,8 @@ class Scene:
     body_scale: float
     detectors: list[DetectorConfig]
     rois: list[ROI]
-    up: np.ndarray
-    forward: np.ndarray
+    up: FloatArray
+    forward: FloatArray
 
     @property
     def is_learnt(self) -> bool:
@@ -74,7 +75,7 @@ class Scene:
         return self.geometry.paw_width
 
     @property
-    def paw_width_px(self) -> np.ndarray:
+    def paw_width_px(self) -> FloatArray:
         """The same in each view (V,), px."""
         return self.geometry.paw_width_px
 
@@ -145,13 +146,13 @@ class _Placed:
 
     by_hand: Mapping[int, Sequence[Placement]]
     projection: Projection
-    up: np.ndarray
-    forward: np.ndarray
+    up: FloatArray
+    forward: FloatArray
     positions: dict[int, dict[int, np.ndarray]]
     home: int
-    middle: np.ndarray  # (d,), of the points in the frame ``home``
-    every: np.ndarray  # (m, d), those of all frames
-    per_unit: np.ndarray  # (V,), px of each view for a unit of space
+    middle: FloatArray  # (d,), of the points in the frame ``home``
+    every: FloatArray  # (m, d), those of all frames
+    per_unit: FloatArray  # (V,), px of each view for a unit of space
     body_scale: float  # largest distance of two points in the frame ``home``
 
     def region(self, *, substrate: float, body_scale: float, height: float) -> SearchRegion:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.layout import Layout, Placement, Views
 from pawnb.core.paws.offline.detection.colour.background import estimate_background, to_grey
@@ -72,11 +73,11 @@ def learn_appearance(
 
 def _whole_pictures(
     views: Views, layout: Layout, frame: int, which: Sequence[int]
-) -> dict[int, np.ndarray]:
+) -> dict[int, ByteArray]:
     """Return whole pictures of some views in one frame."""
     opened = views.frame(frame)
 
-    def whole(v: int) -> np.ndarray:
+    def whole(v: int) -> ByteArray:
         return np.asarray(opened[layout.views[v]].crop(0, 0, *layout.sizes[v]))
 
     return dict(zip(which, on_threads(whole, which), strict=True))

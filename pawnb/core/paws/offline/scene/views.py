@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow.lateral_prior import (
     LateralPrior,
@@ -58,7 +59,7 @@ class _Views(ABC):
     points_meet: ClassVar[bool] = True
 
     @property
-    def from_below(self) -> np.ndarray:
+    def from_below(self) -> BoolArray:
         """None is."""
         return np.zeros(len(self.paw_width_px), bool)
 
@@ -68,7 +69,7 @@ class _Views(ABC):
         """Unit vector to the side."""
 
     @property
-    def depth_axis(self) -> np.ndarray:
+    def depth_axis(self) -> FloatArray:
         """There is none."""
         return np.zeros_like(self.across)
 
@@ -77,11 +78,11 @@ class _Views(ABC):
         """Nothing but how often it is seen tells an unlabelled target."""
         return TREADMILL.least_seen
 
-    def away_from_cameras(self, middle: np.ndarray) -> float:
+    def away_from_cameras(self, middle: FloatArray) -> float:
         """Return that no side does."""
         return 0.0
 
-    def is_other_side(self, offset: np.ndarray, least: float) -> np.ndarray:
+    def is_other_side(self, offset: FloatArray, least: float) -> BoolArray:
         """Tell that all may be."""
         return np.ones(offset.shape, bool)
 
@@ -95,14 +96,14 @@ class _Views(ABC):
     ) -> list[PointHypotheses]:
         """Return where paws may be."""
 
-    def lowest(self, height: np.ndarray) -> float:
+    def lowest(self, height: FloatArray) -> float:
         """Return the height of the lowest click."""
         return float(height.min())
 
     def learn_score(
         self,
         likelihood: AppearanceLikelihood,
-        clicks: np.ndarray,
+        clicks: FloatArray,
         found: Mapping[int, InViews],
     ) -> AppearanceLikelihood:
         """Return it as it was: the curves were learnt from views that agree in space."""
@@ -110,13 +111,13 @@ class _Views(ABC):
 
     def anchors_of_paths(
         self,
-        here: Mapping[int, np.ndarray],
+        here: Mapping[int, FloatArray],
         found: InViews,
         observations: Observations,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
-    ) -> dict[int, np.ndarray]:
+    ) -> dict[int, FloatArray]:
         """Return where the detections of placed points meet.
 
         A click in the middle of a long foot is farther from its end than paws are apart. Of the
@@ -136,12 +137,12 @@ class _Views(ABC):
         return meet
 
     def tracked_points(
-        self, places: np.ndarray, observations: Observations, *, acceleration: float
-    ) -> np.ndarray:
+        self, places: FloatArray, observations: Observations, *, acceleration: float
+    ) -> FloatArray:
         """Return where the detections of all views have the points."""
         return self._said(places, observations)
 
-    def _said(self, places: np.ndarray, observations: Observations) -> np.ndarray:
+    def _said(self, places: FloatArray, observations: Observations) -> FloatArray:
         """Return where the points are of places by the detections of all views."""
         return tracked_points(
             places, observations, geometry=self.projection, paw_width_px=self.paw_width_px
@@ -149,26 +150,26 @@ class _Views(ABC):
 
     def observed_elsewhere(
         self,
-        frame: np.ndarray,
-        at: np.ndarray,
+        frame: IntArray,
+        at: FloatArray,
         found: InFrames,
         *,
-        tracked_in_view: np.ndarray,
+        tracked_in_view: BoolArray,
         likelihood: AppearanceLikelihood,
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Return that none are: one view alone makes the places."""
         return np.zeros((len(tracked_in_view), len(at)))
 
-    def appearance_cost(self, total: np.ndarray) -> np.ndarray:
+    def appearance_cost(self, total: FloatArray) -> FloatArray:
         """Return that the appearance of places counts as they are linked, and not once more."""
         return np.zeros_like(total)
 
-    def as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    def as_high(self, at: FloatArray, expected: FloatArray) -> FloatArray:
         """Return them as they are."""
         return at
 
     def lateral_prior(
-        self, chosen: np.ndarray, body: np.ndarray, *, body_scale: float
+        self, chosen: FloatArray, body: FloatArray, *, body_scale: float
     ) -> LateralPrior | None:
         """Return that nothing is known to the side."""
         return None
@@ -184,18 +185,18 @@ class SingleView(_Views):
         Unit vector in the picture.
     """
 
-    up: np.ndarray
+    up: FloatArray
 
     @property
-    def across(self) -> np.ndarray:
+    def across(self) -> FloatArray:
         """One picture from the side does not tell it."""
         return np.zeros_like(self.up)
 
-    def misplacement(self, x: np.ndarray, since: Anchors, *, body: np.ndarray, point: int) -> float:
+    def misplacement(self, x: FloatArray, since: Anchors, *, body: FloatArray, point: int) -> float:
         """Return how high places are: clicks are on the near side, lower in the picture."""
         return float(np.nanmedian(x @ self.up))
 
-    def axes(self, up: np.ndarray, forward: np.ndarray) -> np.ndarray:
+    def axes(self, up: FloatArray, forward: FloatArray) -> FloatArray:
         """Return forward and up."""
         return np.stack([forward, up])
 
@@ -221,16 +222,16 @@ class SingleViewFromBelow(SingleView):
     """One view by itself, from below: up in its picture is to one side; nothing has a height."""
 
     @property
-    def from_below(self) -> np.ndarray:
+    def from_below(self) -> BoolArray:
         """The view is."""
         return np.ones(1, bool)
 
     @property
-    def across(self) -> np.ndarray:
+    def across(self) -> FloatArray:
         """Up in the picture."""
         return self.up
 
-    def lowest(self, height: np.ndarray) -> float:
+    def lowest(self, height: FloatArray) -> float:
         """Return that nothing is known."""
         return -np.inf
 
@@ -248,21 +249,21 @@ class InSpace(_Views):
     volume: Volume
 
     @property
-    def across(self) -> np.ndarray:
+    def across(self) -> FloatArray:
         """That of the volume."""
         return self.volume.across
 
     @property
-    def coefs(self) -> np.ndarray:
+    def coefs(self) -> FloatArray:
         """DLT coefficients (11, V)."""
         return self.projection.table
 
-    def misplacement(self, x: np.ndarray, since: Anchors, *, body: np.ndarray, point: int) -> float:
+    def misplacement(self, x: FloatArray, since: Anchors, *, body: FloatArray, point: int) -> float:
         """Return how far to the side of its clicks a point is."""
         away = lateral_offset(x, since, body=body, point=point, across=self.across)
         return float(np.abs(np.nanmedian(away)))
 
-    def axes(self, up: np.ndarray, forward: np.ndarray) -> np.ndarray:
+    def axes(self, up: FloatArray, forward: FloatArray) -> FloatArray:
         """Return forward, across and up."""
         return np.stack([forward, np.cross(up, forward), up])
 
@@ -274,11 +275,11 @@ class SideViews(InSpace):
     points_meet: ClassVar[bool] = False
 
     @property
-    def depth_axis(self) -> np.ndarray:
+    def depth_axis(self) -> FloatArray:
         """That of the volume."""
         return self.volume.across
 
-    def away_from_cameras(self, middle: np.ndarray) -> float:
+    def away_from_cameras(self, middle: FloatArray) -> float:
         """Return the sign that leads away from all cameras, seen from ``middle`` (3,)."""
         signs = set()
         for coefs in self.coefs.T:
@@ -287,7 +288,7 @@ class SideViews(InSpace):
             signs.add(float(-np.sign((centre - far * middle) @ self.across * far)))
         return signs.pop() if len(signs) == 1 else 0.0
 
-    def is_other_side(self, offset: np.ndarray, least: float) -> np.ndarray:
+    def is_other_side(self, offset: FloatArray, least: float) -> BoolArray:
         """Tell which are farther than ``least`` from the clicks."""
         return np.abs(offset) > least
 
@@ -309,7 +310,7 @@ class SideViews(InSpace):
     def learn_score(
         self,
         likelihood: AppearanceLikelihood,
-        clicks: np.ndarray,
+        clicks: FloatArray,
         found: Mapping[int, InViews],
     ) -> AppearanceLikelihood:
         """Learn it: the curves were learnt from views from the side that agree in space."""
@@ -317,13 +318,13 @@ class SideViews(InSpace):
 
     def observed_elsewhere(
         self,
-        frame: np.ndarray,
-        at: np.ndarray,
+        frame: IntArray,
+        at: FloatArray,
         found: InFrames,
         *,
-        tracked_in_view: np.ndarray,
+        tracked_in_view: BoolArray,
         likelihood: AppearanceLikelihood,
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Return the share of :func:`observed_elsewhere` by what each view shows at the places."""
         seen = self._matcher(likelihood, most=0).seen(frame, at, found)
         return observed_elsewhere(seen, tracked_in_view)
@@ -342,7 +343,7 @@ class SideViews(InSpace):
         )  # fmt: skip
 
 
-def observed_elsewhere(seen: np.ndarray, tracked_in_view: np.ndarray) -> np.ndarray:
+def observed_elsewhere(seen: FloatArray, tracked_in_view: BoolArray) -> FloatArray:
     """Return to what share places are seen by other views than those that track a point.
 
     Two views make a place, and any two do. But where a view that tracks the point shows

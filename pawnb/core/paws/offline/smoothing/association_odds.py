@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import association_odds_kernels as loops
@@ -19,15 +20,15 @@ from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 
 
 def association_log_odds(
-    measured: np.ndarray,
-    expected: tuple[np.ndarray, np.ndarray],
+    measured: FloatArray,
+    expected: tuple[FloatArray, FloatArray],
     observations: Observations,
     *,
-    negative_log_odds: np.ndarray,
-    sigma: np.ndarray,
+    negative_log_odds: FloatArray,
+    sigma: FloatArray,
     geometry: Projection,
-    paw_width_px: np.ndarray,
-) -> np.ndarray:
+    paw_width_px: FloatArray,
+) -> FloatArray:
     """Measure how far detections are ahead of the next best ones.
 
     Parameters

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.smoothing.association_odds import association_log_odds
@@ -66,7 +67,7 @@ def with_diagnostics(
     )
 
 
-def stated_sd(sd: np.ndarray, is_open: np.ndarray, *, is_one_sided: bool) -> np.ndarray:
+def stated_sd(sd: FloatArray, is_open: BoolArray, *, is_one_sided: bool) -> FloatArray:
     """Return the standard deviations that are stated, given where places are certain.
 
     Parameters

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.smoothing import forward_backward_kernels as loops
 from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 
@@ -38,15 +39,15 @@ class NormalEquations:
         Covariance of the smoothed positions.
     """
 
-    information: np.ndarray
-    target: np.ndarray
-    jerk2: np.ndarray
-    jerk_mean: np.ndarray
-    axes: np.ndarray | None
-    covariance: np.ndarray
+    information: FloatArray
+    target: FloatArray
+    jerk2: FloatArray
+    jerk_mean: FloatArray
+    axes: FloatArray | None
+    covariance: FloatArray
 
 
-def forward_backward_distance(equations: NormalEquations) -> np.ndarray:
+def forward_backward_distance(equations: NormalEquations) -> FloatArray:
     """Tell every frame from the frames before it, and from those after it, and compare.
 
     Parameters
@@ -104,6 +105,6 @@ def leave_one_out(x: np.ndarray, equations: NormalEquations) -> tuple[np.ndarray
     return np.linalg.solve(rest, aim[..., None])[..., 0], np.linalg.solve(rest, covariance)
 
 
-def _times(matrix: np.ndarray, vector: np.ndarray) -> np.ndarray:
+def _times(matrix: FloatArray, vector: FloatArray) -> FloatArray:
     """Return the products of matrices (..., d, d) and vectors (..., d)."""
     return np.asarray((matrix @ vector[..., None])[..., 0])

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.association.network_flow.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.state import GapClosing
@@ -46,19 +47,19 @@ class MeasurementModel:
     """
 
     geometry: Projection
-    paw_width_px: np.ndarray
+    paw_width_px: FloatArray
     paw_width: float
     jerk: float
-    tracked_in_view: np.ndarray
-    unsure: np.ndarray
+    tracked_in_view: BoolArray
+    unsure: FloatArray
 
 
 def refine(
-    start: np.ndarray,
+    start: FloatArray,
     observations: Observations,
     gap_closing: GapClosing,
     *,
-    certain: np.ndarray,
+    certain: FloatArray,
     measurement: MeasurementModel,
     cycle: Cycle | None = None,
     lateral_prior: LateralPrior | None = None,
@@ -122,11 +123,11 @@ def refine(
 
 
 def _smoothed(
-    x: np.ndarray,
-    factors: np.ndarray,
-    measured: np.ndarray,
-    detection_probability: np.ndarray,
-    solved: tuple[np.ndarray, np.ndarray, _JerkModel, MeasurementModel],
+    x: FloatArray,
+    factors: FloatArray,
+    measured: FloatArray,
+    detection_probability: FloatArray,
+    solved: tuple[FloatArray, FloatArray, _JerkModel, MeasurementModel],
 ) -> SmoothedTracks:
     """Return tracks, with their standard deviations and what they ``solved``."""
     W, z, changes, measurement = solved
@@ -153,14 +154,14 @@ def _smoothed(
 class _Expected:
     """What draws points besides detections."""
 
-    held: np.ndarray  # (n, P, d), where they stand, NaN elsewhere
-    hold: np.ndarray  # (n, P, 1), information of that
+    held: FloatArray  # (n, P, d), where they stand, NaN elsewhere
+    hold: FloatArray  # (n, P, 1), information of that
     changes: _JerkModel
     cycle: Cycle | None
     lateral_prior: LateralPrior | None
     swings: Swings | None
 
-    def add(self, W: np.ndarray, z: np.ndarray, is_measured: np.ndarray) -> None:
+    def add(self, W: FloatArray, z: FloatArray, is_measured: BoolArray) -> None:
         """Add it to information (n, P, d, d) and target (n, P, d) of measurements (n, P, V)."""
         W += self.hold[..., None] * np.eye(z.shape[-1])
         z += self.hold * np.nan_to_num(self.held)
@@ -174,7 +175,7 @@ class _Expected:
             _pull(W, z, on_arc, to=swings.place, sd=swings.sd, axes=self.changes.axes)
 
 
-def deviations(detection_probability: np.ndarray, measurement: MeasurementModel) -> np.ndarray:
+def deviations(detection_probability: FloatArray, measurement: MeasurementModel) -> FloatArray:
     """Return standard deviations (n, P, V, C), px, of detections of a quality (n, V, C)."""
     base = (
         SMOOTHING.refinement_sigma / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
@@ -182,7 +183,7 @@ def deviations(detection_probability: np.ndarray, measurement: MeasurementModel)
     return np.asarray(base * measurement.paw_width_px[:, None])
 
 
-def _larger_deviation(measurement: MeasurementModel) -> np.ndarray:
+def _larger_deviation(measurement: MeasurementModel) -> FloatArray:
     """Return how much vaguer detections of each point and view (P, V) are."""
     # a view from the other side sees less of the paw
     return np.where(measurement.tracked_in_view, 1.0, SMOOTHING.other_side)
@@ -200,11 +201,11 @@ class _JerkModel:
         The axes.
     """
 
-    jerk2: np.ndarray
-    jerk_mean: np.ndarray
-    axes: np.ndarray | None
+    jerk2: FloatArray
+    jerk_mean: FloatArray
+    axes: FloatArray | None
 
-    def smooth(self, point: int, W: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def smooth(self, point: int, W: FloatArray, z: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the smoothed track of a point, and its factor."""
         return smooth(
             W, z, self.jerk2[:, point], jerk_mean=self.jerk_mean[:, point], axes=self.axes
@@ -230,12 +231,12 @@ def _jerk_model(
 
 
 def _through_places(
-    start: np.ndarray,
-    held: np.ndarray,
+    start: FloatArray,
+    held: FloatArray,
     gap_closing: GapClosing,
     measurement: MeasurementModel,
     changes: _JerkModel,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[FloatArray, FloatArray]:
     """Return the smoothest path through the certain places, and room for its factors."""
     n, n_points, d = start.shape
     places = np.where(gap_closing.is_open[..., None], held, start)
@@ -249,7 +250,7 @@ def _through_places(
     return x, factors
 
 
-def _taken(gap_closing: GapClosing, observations: Observations) -> tuple[np.ndarray, np.ndarray]:
+def _taken(gap_closing: GapClosing, observations: Observations) -> tuple[FloatArray, FloatArray]:
     """Return positions (n, P, V, 2) and qualities (n, P, V) of the detections chosen."""
     n, n_points, n_views = gap_closing.choice.shape
     measured = np.full((n, n_points, n_views, 2), np.nan)
@@ -263,12 +264,12 @@ def _taken(gap_closing: GapClosing, observations: Observations) -> tuple[np.ndar
 
 
 def _associate(
-    x: np.ndarray,
-    near: np.ndarray,
-    negative_log_odds: np.ndarray,
+    x: FloatArray,
+    near: FloatArray,
+    negative_log_odds: FloatArray,
     observations: Observations,
     measurement: MeasurementModel,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[FloatArray, FloatArray]:
     """Take for each point and view the detection where it must be."""
     uv = measurement.geometry.project(x)
     return loops.take_nearest(
@@ -283,13 +284,13 @@ def _associate(
 
 
 def _weights(
-    x: np.ndarray,
-    measured: np.ndarray,
-    detection_probability: np.ndarray,
+    x: FloatArray,
+    measured: FloatArray,
+    detection_probability: FloatArray,
     measurement: MeasurementModel,
     *,
     robust: bool,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the weight (n, P, V), px^-2, of each measurement: less for doubtful ones."""
     base = (
         SMOOTHING.refinement_sigma
@@ -310,32 +311,32 @@ def _weights(
 
 
 def _normal(
-    x: np.ndarray, measured: np.ndarray, weight: np.ndarray, measurement: MeasurementModel
-) -> tuple[np.ndarray, np.ndarray]:
+    x: FloatArray, measured: FloatArray, weight: FloatArray, measurement: MeasurementModel
+) -> tuple[FloatArray, FloatArray]:
     """Return information (n, P, d, d) and target (n, P, d) of the measurements."""
     return loops.normal_equations(x, measured, weight, measurement.geometry.rows)
 
 
-def _expected(seen: np.ndarray) -> np.ndarray:
+def _expected(seen: BoolArray) -> FloatArray:
     """Return what the cycle tells in each frame (n, P), given where points have detections."""
     before = np.logical_or.accumulate(seen, axis=0)
     between = before & _is_followed(seen)
     return np.where(seen, 0.0, np.where(between, SMOOTHING.pull_between, SMOOTHING.refinement_pull))
 
 
-def _is_followed(seen: np.ndarray) -> np.ndarray:
+def _is_followed(seen: BoolArray) -> BoolArray:
     """Tell in which frames (n, P) points have detections there or later."""
     return np.asarray(np.logical_or.accumulate(seen[::-1], axis=0)[::-1])
 
 
 def _pull(
-    W: np.ndarray,
-    z: np.ndarray,
-    weight: np.ndarray,
+    W: FloatArray,
+    z: FloatArray,
+    weight: FloatArray,
     *,
-    to: np.ndarray,
-    sd: np.ndarray,
-    axes: np.ndarray,
+    to: FloatArray,
+    sd: FloatArray,
+    axes: FloatArray,
 ) -> None:
     """Draw occluded points weakly towards where they are expected, where that is known."""
     there = np.isfinite(to)

@@ -13,17 +13,18 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.smoothing import smoother_kernels as loops
 
 
 def smooth(
-    information: np.ndarray,
-    target: np.ndarray,
-    jerk2: np.ndarray,
+    information: FloatArray,
+    target: FloatArray,
+    jerk2: FloatArray,
     *,
-    jerk_mean: np.ndarray | None = None,
-    axes: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+    jerk_mean: FloatArray | None = None,
+    axes: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
     """Smooth one track.
 
     Parameters
@@ -58,7 +59,7 @@ def smooth(
     )
 
 
-def variances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> np.ndarray:
+def variances(factor: FloatArray, d: int, *, axes: FloatArray | None = None) -> FloatArray:
     """Return the variance of every coordinate from factors of :func:`smooth`.
 
     Parameters
@@ -74,7 +75,7 @@ def variances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> 
     return diagonals(covariances(factor, d, axes=axes))
 
 
-def covariances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> np.ndarray:
+def covariances(factor: FloatArray, d: int, *, axes: FloatArray | None = None) -> FloatArray:
     """Return the covariance of every position from factors of :func:`smooth`.
 
     Parameters
@@ -97,6 +98,6 @@ def covariances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -
     return np.reshape(found, (*several, size // d, d, d))
 
 
-def diagonals(covariance: np.ndarray) -> np.ndarray:
+def diagonals(covariance: FloatArray) -> FloatArray:
     """Return the variances (..., d) that covariances (..., d, d) have."""
     return np.ascontiguousarray(np.diagonal(covariance, axis1=-2, axis2=-1))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.smoothing.forward_backward_distance import NormalEquations
 
 
@@ -33,13 +34,13 @@ class SmoothedTracks:
         What the tracks were smoothed from.
     """
 
-    x: np.ndarray
-    sd: np.ndarray
+    x: FloatArray
+    sd: FloatArray
     measured: np.ndarray
-    detection_probability: np.ndarray
-    displacement_from_first_pass: np.ndarray
-    association_log_odds: np.ndarray
-    forward_backward_distance: np.ndarray
+    detection_probability: FloatArray
+    displacement_from_first_pass: FloatArray
+    association_log_odds: FloatArray
+    forward_backward_distance: FloatArray
     equations: NormalEquations | None = None
 
     @classmethod
@@ -65,7 +66,7 @@ class SmoothedTracks:
         """Return the tracks of some points, without what they were smoothed from."""
         return SmoothedTracks(*(getattr(self, name)[:, which] for name in _OF_POINTS))
 
-    def with_points(self, which: np.ndarray, tracks: SmoothedTracks) -> SmoothedTracks:
+    def with_points(self, which: BoolArray, tracks: SmoothedTracks) -> SmoothedTracks:
         """Return these tracks with those of the points that ``which`` (P,) picks out, in order.
 
         Parameters

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.ndimage import correlate1d, gaussian_filter1d
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 
 _FINER = 5
@@ -42,13 +43,13 @@ class Cycle:
         Mean length of a stride in frames.
     """
 
-    mean: np.ndarray
-    sd: np.ndarray
-    phase: np.ndarray
-    axes: np.ndarray
+    mean: FloatArray
+    sd: FloatArray
+    phase: FloatArray
+    axes: FloatArray
     stride: float
 
-    def square(self, frames: np.ndarray | int, point: int, x: np.ndarray) -> np.ndarray:
+    def square(self, frames: np.ndarray | int, point: int, x: FloatArray) -> FloatArray:
         """Return the squared distance of positions (..., d), in standard deviations.
 
         Parameters
@@ -70,13 +71,13 @@ class Cycle:
 
 
 def learn_cycle(
-    x: np.ndarray,
-    body: np.ndarray,
+    x: FloatArray,
+    body: FloatArray,
     *,
-    axes: np.ndarray,
+    axes: FloatArray,
     frames: tuple[float, float],
     noise: float,
-    trust: np.ndarray,
+    trust: FloatArray,
 ) -> Cycle | None:
     """Learn the cycle of every point.
 
@@ -133,7 +134,7 @@ def learn_cycle(
     return Cycle(mean @ axes + body[:, None], sd, phase, axes, stride)
 
 
-def _stride(along: np.ndarray, seen: np.ndarray, frames: tuple[float, float]) -> float | None:
+def _stride(along: FloatArray, seen: BoolArray, frames: tuple[float, float]) -> float | None:
     """Return the commonest length of a stride, frames, from the periodogram of all points."""
     n = len(along)
     low, high = 1.0 / min(frames[1], n / 2.0), 1.0 / frames[0]
@@ -147,7 +148,7 @@ def _stride(along: np.ndarray, seen: np.ndarray, frames: tuple[float, float]) ->
     return float(1.0 / frequency[int(np.argmax(power))])
 
 
-def _common_phase(along: np.ndarray, seen: np.ndarray, stride: float) -> np.ndarray:
+def _common_phase(along: FloatArray, seen: BoolArray, stride: float) -> FloatArray:
     """Return the phase (n,) of the stride, cycles, by demodulation at its mean frequency."""
     time = np.arange(len(along))
     carrier = np.exp(-2j * np.pi * time / stride)[:, None]
@@ -164,20 +165,20 @@ def _common_phase(along: np.ndarray, seen: np.ndarray, stride: float) -> np.ndar
     return np.asarray(time / stride + np.unwrap(np.angle(common[:, 0])) / (2 * np.pi))
 
 
-def _weights(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _weights(phase: FloatArray) -> tuple[IntArray, IntArray, FloatArray]:
     """Return the two bins beside each phase and the weight of the second."""
     at = (phase % 1.0) * STRIDE.cycle_bins
     first = np.floor(at).astype(int) % STRIDE.cycle_bins
     return first, (first + 1) % STRIDE.cycle_bins, at - np.floor(at)
 
 
-def _at(curve: np.ndarray, phase: np.ndarray) -> np.ndarray:
+def _at(curve: FloatArray, phase: FloatArray) -> FloatArray:
     """Return a closed curve (bins, d) at some phases."""
     a, b, w = _weights(phase)
     return np.asarray(curve[a] * (1 - w[:, None]) + curve[b] * w[:, None])
 
 
-def _basis(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _basis(phase: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return what each bin weighs at some phases (n, bins), and third differences (bins, bins)."""
     a, b, w = _weights(phase)
     basis = np.zeros((len(a), STRIDE.cycle_bins))
@@ -214,8 +215,8 @@ def _closed_curve(
 
 
 def _how_unsure(
-    phase: np.ndarray, x: np.ndarray, seen: np.ndarray, curve: np.ndarray, weight: np.ndarray
-) -> np.ndarray:
+    phase: FloatArray, x: FloatArray, seen: BoolArray, curve: FloatArray, weight: FloatArray
+) -> FloatArray:
     """Return the standard error (bins, d) of a closed curve."""
     basis, third = _basis(phase[seen])
     scale = np.median((x[seen] - basis @ curve) ** 2, axis=0) + 1e-12
@@ -232,12 +233,12 @@ def _how_unsure(
 
 
 def _correction(
-    phase: np.ndarray,
+    phase: FloatArray,
     curves: list[tuple[np.ndarray, np.ndarray]],
-    relative: np.ndarray,
-    seen: np.ndarray,
+    relative: FloatArray,
+    seen: BoolArray,
     stride: float,
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[FloatArray, FloatArray]:
     """Return by how much the phase (n,) and the body (n, d) must change.
 
     With that the points lie on their cycles, by least squares within a window. The middle of
@@ -283,8 +284,8 @@ def _local_line(normal: np.ndarray, target: np.ndarray, width: float) -> np.ndar
 
 
 def _spread(
-    phase: np.ndarray, away: np.ndarray, seen: np.ndarray, unsure: np.ndarray, noise: float
-) -> np.ndarray:
+    phase: FloatArray, away: FloatArray, seen: BoolArray, unsure: FloatArray, noise: float
+) -> FloatArray:
     """Return the standard deviations (n, d) of expectations, by phase."""
     a, _, _ = _weights(phase[seen])
     # a few wrong tracklets must not make every expectation vague

@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance
 
@@ -29,14 +30,14 @@ class DutyFactor:
         Usual length of a stride, frames, and the standard deviation of single ones.
     """
 
-    share: np.ndarray
-    sd: np.ndarray
+    share: FloatArray
+    sd: FloatArray
     stride: float
     spread: float
 
     def due(
-        self, point: int, now: Stance, following: Stance | None, *, frames: np.ndarray
-    ) -> np.ndarray:
+        self, point: int, now: Stance, following: Stance | None, *, frames: IntArray
+    ) -> FloatArray:
         """Return what speaks against lifting off just before each of some frames.
 
         Parameters
@@ -128,7 +129,7 @@ def _lasts(stances: Sequence[Sequence[Stance]]) -> int:
     return len(stances) * (stop - first)
 
 
-def _usual(shares: np.ndarray) -> tuple[float, float]:
+def _usual(shares: FloatArray) -> tuple[float, float]:
     """Return the middle of shares and its standard error."""
     middle = float(np.median(shares))
     sd = STRIDE.duty_factor_mad * float(np.median(np.abs(shares - middle)))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.gap_closing.rejection import without_hops
 from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
@@ -38,14 +39,14 @@ class KnownGait:
     """
 
     kinds: list[str]
-    tracked_in_view: np.ndarray
+    tracked_in_view: BoolArray
     motion_model: MotionModel
     fps: float
     stride_s: tuple[float, float]
 
 
 def learn_stride(
-    smoothed: SmoothedTracks, gap_closing: GapClosing, body: np.ndarray, *, gait: KnownGait
+    smoothed: SmoothedTracks, gap_closing: GapClosing, body: FloatArray, *, gait: KnownGait
 ) -> StrideModel:
     """Learn strides from tracks.
 
@@ -98,7 +99,7 @@ def _swings(
     stances: list[list[Stance]],
     duty_factor: DutyFactor | None,
     *,
-    lost: np.ndarray,
+    lost: BoolArray,
     gait: KnownGait,
 ) -> Swings | None:
     """Return where points swing; None without a rhythm, or where no view shows heights.

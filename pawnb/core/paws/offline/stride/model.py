@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.swing import Swings
@@ -30,10 +29,10 @@ class StrideModel:
     """
 
     cycle: Cycle | None = None
-    liftoff_velocity: np.ndarray | None = None
+    liftoff_velocity: FloatArray | None = None
     duty_factor: DutyFactor | None = None
     swings: Swings | None = None
-    hopped: np.ndarray | None = None
+    hopped: BoolArray | None = None
 
     @property
     def is_known(self) -> bool:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.parameters import STRIDE
@@ -34,7 +35,7 @@ class Stance:
 
     first: int
     stop: int
-    origin: np.ndarray
+    origin: FloatArray
 
 
 @dataclass(frozen=True)
@@ -53,12 +54,12 @@ class Substrate:
         How points move.
     """
 
-    height: np.ndarray
-    substrate_velocity: np.ndarray
-    liftoff_velocity: np.ndarray
+    height: FloatArray
+    substrate_velocity: FloatArray
+    liftoff_velocity: FloatArray
     motion_model: MotionModel
 
-    def places(self, stance: Stance, frames: np.ndarray) -> np.ndarray:
+    def places(self, stance: Stance, frames: IntArray) -> FloatArray:
         """Return where (n, d) what stands is in some frames (n,)."""
         return np.asarray(stance.origin + frames[:, None] * self.substrate_velocity)
 
@@ -85,7 +86,7 @@ class Substrate:
             STRIDE.strangest,
         )
 
-    def stances(self, places: np.ndarray) -> list[list[Stance]]:
+    def stances(self, places: FloatArray) -> list[list[Stance]]:
         """Return when each point stands, given its certain places (n, P, d), NaN elsewhere."""
         n, n_points, _ = places.shape
         # in the frame of the ground nothing that stands moves
@@ -105,7 +106,7 @@ class Substrate:
                 mine.insert(0, begun)
         return found
 
-    def _begun(self, point: int, places: np.ndarray, still: np.ndarray) -> Stance | None:
+    def _begun(self, point: int, places: FloatArray, still: FloatArray) -> Stance | None:
         """Return the stance with which a recording begins, of frames too few to tell a speed.
 
         What is as low there as where it stands later, and stays on its place on the ground, stands.
@@ -119,7 +120,7 @@ class Substrate:
             return None
         return Stance(0, stop, median(still[:stop]))
 
-    def _stances(self, still: np.ndarray, slow: np.ndarray) -> list[Stance]:
+    def _stances(self, still: FloatArray, slow: BoolArray) -> list[Stance]:
         """Return the stances of one point: where it is slow, and as long as it is at that place."""
         found: list[Stance] = []
         edge = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]]).astype(int)))
@@ -143,7 +144,7 @@ class Substrate:
 
 
 def learn_substrate(
-    chosen: np.ndarray, motion_model: MotionModel, *, liftoff_velocity: np.ndarray | None = None
+    chosen: FloatArray, motion_model: MotionModel, *, liftoff_velocity: FloatArray | None = None
 ) -> Substrate:
     """Learn how fast the ground goes, and at which height points stand on it.
 
@@ -234,13 +235,13 @@ def learn_liftoff_velocity(
 
 
 def covered(
-    standing: np.ndarray,
-    uv: np.ndarray,
+    standing: FloatArray,
+    uv: FloatArray,
     point: int,
     *,
     geometry: Projection,
-    paw_width_px: np.ndarray,
-) -> np.ndarray:
+    paw_width_px: FloatArray,
+) -> BoolArray:
     """Tell in which views another paw covers a point.
 
     Parameters
@@ -267,8 +268,8 @@ def covered(
 
 
 def expected_jerks(
-    lift_offs: Sequence[tuple[int, int]], liftoff_velocity: np.ndarray, n: int
-) -> tuple[np.ndarray, np.ndarray]:
+    lift_offs: Sequence[tuple[int, int]], liftoff_velocity: FloatArray, n: int
+) -> tuple[FloatArray, BoolArray]:
     """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do.
 
     Parameters
@@ -303,7 +304,7 @@ def _length(step: np.ndarray, motion_model: MotionModel) -> np.ndarray:
     return np.asarray(np.hypot(step @ motion_model.axes[0], step @ motion_model.axes[-1]))
 
 
-def _tolerance(substrate_velocity: np.ndarray, motion_model: MotionModel) -> float:
+def _tolerance(substrate_velocity: FloatArray, motion_model: MotionModel) -> float:
     """Return by how much the speed of what stands may differ from that of the ground."""
     return (
         STRIDE.with_ground * float(np.linalg.norm(substrate_velocity))

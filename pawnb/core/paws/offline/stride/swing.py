@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.parameters import STRIDE
@@ -48,12 +49,12 @@ class Swings:
         Number of the point, frame of the lift-off, and its standard deviation.
     """
 
-    place: np.ndarray
-    sd: np.ndarray
-    jerk_mean: np.ndarray
+    place: FloatArray
+    sd: FloatArray
+    jerk_mean: FloatArray
     lift_offs: tuple[tuple[int, float, float], ...]
 
-    def due(self, point: int, frames: np.ndarray, fps: float) -> np.ndarray | None:
+    def due(self, point: int, frames: IntArray, fps: float) -> FloatArray | None:
         """Return what speaks against lifting off just before each of some frames.
 
         Parameters
@@ -80,11 +81,11 @@ class Swings:
 
 
 def learn_swings(
-    x: np.ndarray,
-    weight: np.ndarray,
+    x: FloatArray,
+    weight: FloatArray,
     stances: Sequence[Sequence[Stance]],
     *,
-    certain: np.ndarray,
+    certain: BoolArray,
     substrate: Substrate,
     duty_factor: DutyFactor | None,
     kinds: Sequence[str],
@@ -164,8 +165,8 @@ def _usual(swings: Sequence[Swing]) -> list[Swing]:
 
 
 def _bend(
-    frames: np.ndarray, path: np.ndarray, values: np.ndarray, n: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    frames: IntArray, path: FloatArray, values: FloatArray, n: int
+) -> tuple[BoolArray, BoolArray, FloatArray]:
     """Return which frames lie in a swing, in which its path tells how it bends, and how."""
     third = np.full(path.shape, np.nan)
     third[1:-2] = np.diff(path, 3, axis=0)
@@ -196,12 +197,12 @@ def _guess(swings: Sequence[Swing]) -> Guess:
 
 def _part(
     swings: Sequence[Swing],
-    still: np.ndarray,
-    weight: np.ndarray,
-    outside: np.ndarray,
+    still: FloatArray,
+    weight: FloatArray,
+    outside: FloatArray,
     motion_model: MotionModel,
     *,
-    certain: np.ndarray,
+    certain: BoolArray,
 ) -> Part:
     """Return what is seen of swings, given places (n, P, d) along the axes on the ground."""
     first = np.array([int(one.times[0]) - STRIDE.swing_margin for one in swings])
@@ -234,12 +235,12 @@ def _part(
 
 def _path(
     swing: Swing,
-    values: np.ndarray,
-    covariance: np.ndarray,
+    values: FloatArray,
+    covariance: FloatArray,
     trajectory: SwingTrajectory,
     substrate: Substrate,
-    outside: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    outside: FloatArray,
+) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return frames (T,) about a swing, where the paw is (T, d), and how sure that is (T, d)."""
     motion_model = substrate.motion_model
     axes, paw_width = motion_model.axes, motion_model.paw_width

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
@@ -32,13 +33,13 @@ class Swing:
     point: int
     times: tuple[float, float]
     sd: tuple[float, float]
-    begin: np.ndarray
-    end: np.ndarray
+    begin: FloatArray
+    end: FloatArray
     is_whole: bool = True
 
 
 def since_landing(
-    stances: Sequence[Sequence[Stance]], x: np.ndarray, *, seen: np.ndarray, substrate: Substrate
+    stances: Sequence[Sequence[Stance]], x: FloatArray, *, seen: BoolArray, substrate: Substrate
 ) -> list[list[Stance]]:
     """Let stances begin where the paw was first seen on its place, certain or not.
 
@@ -79,12 +80,12 @@ def since_landing(
 
 def find_swings(
     stances: Sequence[Sequence[Stance]],
-    seen: np.ndarray,
+    seen: BoolArray,
     duty_factor: DutyFactor | None,
     *,
-    certain: np.ndarray,
+    certain: BoolArray,
     fps: float,
-    substrate_velocity: np.ndarray,
+    substrate_velocity: FloatArray,
 ) -> list[Swing]:
     """Return the swings between stances, and those after the last and before the first one.
 
@@ -139,8 +140,8 @@ def _swing(
     point: int,
     lift: tuple[float, float],
     land: tuple[float, float],
-    begin: np.ndarray,
-    end: np.ndarray,
+    begin: FloatArray,
+    end: FloatArray,
     *,
     whole: bool = True,
 ) -> Swing:
@@ -152,8 +153,8 @@ def _swing(
 class _StanceEnds:
     """When stances of one point begin and end, frames, and how surely."""
 
-    seen: np.ndarray  # (n,)
-    certain: np.ndarray  # (n,)
+    seen: BoolArray  # (n,)
+    certain: BoolArray  # (n,)
     duty_factor: DutyFactor | None
     point: int
     fps: float

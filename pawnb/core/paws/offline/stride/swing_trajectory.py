@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.stride import trajectory_kernels as loops
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 
@@ -38,11 +39,11 @@ class Part:
     """
 
     frames: np.ndarray
-    way: np.ndarray
-    up: np.ndarray
-    aside: np.ndarray
-    weight: np.ndarray
-    step: np.ndarray
+    way: FloatArray
+    up: FloatArray
+    aside: FloatArray
+    weight: FloatArray
+    step: FloatArray
 
 
 @dataclass(frozen=True)
@@ -55,8 +56,8 @@ class Guess:
         Frames of lift-off and landing, and their standard deviations.
     """
 
-    times: np.ndarray
-    sd: np.ndarray
+    times: FloatArray
+    sd: FloatArray
 
 
 @dataclass(frozen=True)
@@ -73,16 +74,16 @@ class SwingTrajectory:
         How far it goes to the outside for each thickness that it goes up.
     """
 
-    shape: np.ndarray
-    covariance: np.ndarray
+    shape: FloatArray
+    covariance: FloatArray
     height: float
     aside: float
     aside_sd: float
 
 
 def trajectory_at(
-    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    values: FloatArray, shape: FloatArray, frames: np.ndarray
+) -> tuple[FloatArray, FloatArray]:
     """Return how far forward and up swings are in some frames.
 
     Parameters
@@ -104,8 +105,8 @@ def trajectory_at(
 
 
 def changes(
-    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    values: FloatArray, shape: FloatArray, frames: np.ndarray
+) -> tuple[FloatArray, FloatArray]:
     """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T).
 
     Parameters
@@ -131,8 +132,8 @@ def changes(
 
 
 def _flat(
-    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    values: FloatArray, shape: FloatArray, frames: np.ndarray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return values (S, 4), the shape and frames (S, T) of swings, whatever their arrangement."""
     return values.reshape(-1, 4), shape, np.asarray(frames, float).reshape(-1, frames.shape[-1])
 
@@ -174,7 +175,7 @@ def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
 
 def fit_swings(
     trajectory: SwingTrajectory, part: Part, guess: Guess
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[FloatArray, FloatArray]:
     """Fit swings to an arc.
 
     Parameters
@@ -199,12 +200,12 @@ def fit_swings(
     return values, covariance
 
 
-def _shape() -> np.ndarray:
+def _shape() -> FloatArray:
     """Return the exponents (2,) before any swing is seen."""
     return np.array(STRIDE.swing_shape)
 
 
-def _first(guess: Guess, height: float) -> np.ndarray:
+def _first(guess: Guess, height: float) -> FloatArray:
     """Return values (S, 4) before anything is fitted."""
     return np.column_stack(
         [guess.times, np.tile([height, STRIDE.landing_speed], (len(guess.times), 1))]
@@ -212,7 +213,7 @@ def _first(guess: Guess, height: float) -> np.ndarray:
 
 
 def _fit(
-    values: np.ndarray, part: Part, guess: Guess, shape: np.ndarray, height: float
+    values: FloatArray, part: Part, guess: Guess, shape: FloatArray, height: float
 ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
     """Return values (S, 4) after some steps, their covariances, and the shape's equations.
 

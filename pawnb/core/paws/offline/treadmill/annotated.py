@@ -6,9 +6,9 @@ import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray
 from pawnb.core.paws.layout import Layout, Placement, Views, make_layout, only_points, read_start
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.treadmill.annotations import read_placements
@@ -41,7 +41,7 @@ class Annotated:
     begin: int
     is_looked: bool
 
-    def of(self, points: np.ndarray) -> Annotated:
+    def of(self, points: BoolArray) -> Annotated:
         """Return what concerns some of the points, a mask."""
         return dataclasses.replace(
             self,

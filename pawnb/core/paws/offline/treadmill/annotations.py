@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.layout import (
     Layout,
     Placement,
@@ -84,7 +85,7 @@ def placed_points(placed: Mapping[int, Sequence[Placement]]) -> set[int]:
 
 def annotated_points(
     placed: Mapping[int, Sequence[Placement]], shape: tuple[int, ...]
-) -> np.ndarray:
+) -> BoolArray:
     """Return where (n, P, V) points are certain."""
     certain = np.zeros(shape, dtype=bool)
     for t, here in placed.items():
@@ -95,7 +96,7 @@ def annotated_points(
 
 def annotated_positions(
     placed: Mapping[int, Sequence[Placement]], n: int, layout: Layout
-) -> np.ndarray:
+) -> FloatArray:
     """Return image positions (n, P, V, 2) that are certain, by row, NaN elsewhere.
 
     Parameters

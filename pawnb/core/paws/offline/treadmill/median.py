@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 
-def median(values: np.ndarray) -> np.ndarray:
+
+def median(values: FloatArray) -> FloatArray:
     """Return the median along the first axis, which must not be empty.
 
     What :func:`numpy.median` says, in a tenth of its time where there are few values.

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
+from pawnb.arrays import BoolArray, IntArray
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
@@ -111,7 +112,7 @@ def _write(
     new["image_separation"][rows, ..., 0] = result.association_log_odds.transpose(0, 2, 1)
 
 
-def _origins(seen: np.ndarray, *, enough: int) -> tuple[np.ndarray, np.ndarray]:
+def _origins(seen: BoolArray, *, enough: int) -> tuple[IntArray, IntArray]:
     """Return the origins of positions (n, P) and image positions (n, P, V), given who saw them."""
     count = seen.sum(axis=-1)
     alone = np.where(count == 1, ORIGIN_CODE["resolved"], ORIGIN_CODE["predicted"])

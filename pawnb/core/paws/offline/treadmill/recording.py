@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
 from pawnb.core.paws.offline.scene.geometry import Anchors
@@ -26,7 +25,7 @@ class ReferenceAnnotations:
         Clicked frame to the detections of every view.
     """
 
-    clicks: np.ndarray
+    clicks: FloatArray
     found: Mapping[int, InViews]
 
 
@@ -56,7 +55,7 @@ class Recording:
 
     found: InFrames
     anchors: Anchors
-    certain: np.ndarray
+    certain: FloatArray
     reference: ReferenceAnnotations
     scene: Scene
     layout: Layout

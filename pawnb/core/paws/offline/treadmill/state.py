@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import (
     TrackletAssociator,
@@ -53,13 +54,13 @@ class PipelineState:
     recording: Recording
     targets: Targets
     paths: TrackletAssociator
-    first: np.ndarray
+    first: FloatArray
     assignment: Assignment
     gap_closing: GapClosing
     smoothed: SmoothedTracks
     stride: StrideModel
-    before: np.ndarray
-    unaided: np.ndarray
+    before: FloatArray
+    unaided: FloatArray
     passes: int = 0
 
     @classmethod

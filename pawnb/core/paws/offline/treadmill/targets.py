@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
     share_observed,
     with_contralateral,
@@ -49,14 +50,14 @@ class Targets:
 
     kinds: list[str]
     certain: np.ndarray
-    tracked_in_view: np.ndarray
+    tracked_in_view: BoolArray
     observations: Observations
     likelihood: AppearanceLikelihood
-    unsure: np.ndarray
+    unsure: FloatArray
     is_one_sided: bool
 
 
-def choose_targets(recording: Recording) -> tuple[Targets, TrackletAssociator, np.ndarray]:
+def choose_targets(recording: Recording) -> tuple[Targets, TrackletAssociator, FloatArray]:
     """Return the points to follow, their tracklets, and where they are by the clicks alone.
 
     An unlabelled target without a paw of its own would share that of its kind: it is left out.

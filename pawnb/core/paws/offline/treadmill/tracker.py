@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import (
     Placement,
     Views,
@@ -322,7 +323,7 @@ def solve(
 
 
 def _reference_annotations(
-    seen: list[list[Detections]], certain: np.ndarray, asked: Annotated
+    seen: list[list[Detections]], certain: FloatArray, asked: Annotated
 ) -> ReferenceAnnotations:
     """Return the clicks that say where on a paw its point is, with what was seen there.
 

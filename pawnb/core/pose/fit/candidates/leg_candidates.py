@@ -32,7 +32,7 @@ from pawnb.core.pose.fit.support import body_zone
 
 def limb_candidates(
     fitter: FrameFitter, pose: FloatArray, leg: int, *, image_evidence: ImageEvidence, prior: Prior
-) -> list[np.ndarray]:
+) -> list[FloatArray]:
     """Return poses of a leg that the silhouette offers, each fitted.
 
     Limbs are looked for among what no other leg explains, and then where a neighbour now lies,
@@ -150,7 +150,7 @@ def part_about(
     pose: FloatArray,
     *,
     leg: int,
-    guesses: Sequence[np.ndarray],
+    guesses: Sequence[FloatArray],
 ) -> ImageEvidence:
     """Return the part of the evidence about some places of a leg, each its part of the pose vector.
 
@@ -175,7 +175,7 @@ def part_about(
     return part_near(image_evidence, [_joints(fitter, pose, leg, guess) for guess in guesses])
 
 
-def part_near(image_evidence: ImageEvidence, legs: Sequence[np.ndarray]) -> ImageEvidence:
+def part_near(image_evidence: ImageEvidence, legs: Sequence[FloatArray]) -> ImageEvidence:
     """Return the part of the evidence about legs fitted alone; joints (n, 2), NaN beyond."""
     joints = np.concatenate(legs)
     low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)

@@ -42,7 +42,7 @@ class ViterbiTrellis:
         """Return the best state of the frame."""
         return tuple(int(i) for i in np.unravel_index(int(np.argmin(self.cost)), self.cost.shape))
 
-    def marginals(self) -> list[np.ndarray]:
+    def marginals(self) -> list[FloatArray]:
         """Return, for each leg, the cost of the best path to each of its candidates."""
         axes = range(self.cost.ndim)
         return [self.cost.min(axis=tuple(k for k in axes if k != a)) for a in axes]

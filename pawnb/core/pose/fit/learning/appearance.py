@@ -133,7 +133,7 @@ class _Step:
 
     cost: float
     appearance: Layout
-    moves: list[np.ndarray]
+    moves: list[FloatArray]
     body: BodyEquations
 
 

@@ -89,7 +89,7 @@ class _Others:
     """
 
     around: FloatArray
-    pulls: list[np.ndarray]
+    pulls: list[FloatArray]
     gain: FloatArray
 
     def pull(self, fitter: FrameFitter, t: int) -> FloatArray:

@@ -273,7 +273,7 @@ def _choose(
     """Return the pose with each leg at the best of the places that the silhouette offers."""
     candidates = only_candidate(fitter, frame, pose, image=crop[0], box=crop[1])
 
-    def places(leg: int) -> list[np.ndarray]:
+    def places(leg: int) -> list[FloatArray]:
         numbers = fitter.index.numbers[leg]
         found = limb_candidates(fitter, pose, leg, image_evidence=image_evidence, prior=prior)
         n = len(numbers) // 2

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.sequence.messages import from_neighbours
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 
 
-def first_motion(n_links: int) -> np.ndarray:
+def first_motion(n_links: int) -> FloatArray:
     """Return the covariance of second differences of a leg of which nothing is known.
 
     Parameters
@@ -27,7 +28,7 @@ def first_motion(n_links: int) -> np.ndarray:
     return np.diag(np.repeat([np.radians(SEQUENCE.angle_sd_deg), SEQUENCE.length_sd], n_links) ** 2)
 
 
-def learn_motion(legs: Sequence[np.ndarray], known: np.ndarray) -> np.ndarray:
+def learn_motion(legs: Sequence[FloatArray], known: FloatArray) -> FloatArray:
     """Return the covariance of second differences of legs that move alike.
 
     Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
+from pawnb.arrays import BoolArray, FloatArray
 
 
 @dataclass(frozen=True)
@@ -19,5 +19,5 @@ class Assignment:
         Where a person has placed the point: that stays.
     """
 
-    at: np.ndarray
-    by_hand: np.ndarray
+    at: FloatArray
+    by_hand: BoolArray

@@ -11,12 +11,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 
 
 def without_body_clutter(
-    tracklets: Sequence[Tracklet], substrate_velocity: np.ndarray, *, paw_width: float
+    tracklets: Sequence[Tracklet], substrate_velocity: FloatArray, *, paw_width: float
 ) -> list[Tracklet]:
     """Leave out the tracklets that belong to the body.
 

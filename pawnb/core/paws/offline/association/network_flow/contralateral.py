@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
 from pawnb.core.paws.offline.scene.clicks import unlabelled_kinds
@@ -18,9 +19,7 @@ from pawnb.core.paws.offline.scene.geometry import Anchors, lateral_offset
 from pawnb.core.paws.offline.scene.treadmill import Scene
 
 
-def with_contralateral(
-    tracked: np.ndarray, kinds: Sequence[str], extra: Sequence[str]
-) -> np.ndarray:
+def with_contralateral(tracked: BoolArray, kinds: Sequence[str], extra: Sequence[str]) -> BoolArray:
     """Return which view tracks which point (P + S, V): unlabelled targets are seen like their kind.
 
     Parameters
@@ -39,7 +38,7 @@ def with_contralateral(
     return np.stack([*tracked.T, *alike])
 
 
-def lateral_cost(away: np.ndarray, body_scale: float) -> np.ndarray:
+def lateral_cost(away: FloatArray, body_scale: float) -> FloatArray:
     """Return the cost of places so far to the side of a click, half a squared deviation each.
 
     Parameters
@@ -62,9 +61,9 @@ def side_cost(
     anchors: Anchors,
     scene: Scene,
     *,
-    body: np.ndarray,
+    body: FloatArray,
     kinds: Sequence[str],
-) -> np.ndarray:
+) -> FloatArray:
     """Return the cost of changing sides: clicked points to the other, unlabelled ones to this one.
 
     Only points of which the other side's was not clicked need it: where all four paws were,
@@ -108,9 +107,9 @@ def near_side_cost(
     anchors: Anchors,
     scene: Scene,
     *,
-    body: np.ndarray,
+    body: FloatArray,
     kinds: Sequence[str],
-) -> np.ndarray:
+) -> FloatArray:
     """Return the cost of unlabelled targets that are no farther from the cameras than clicked ones.
 
     An unlabelled target that takes the place of an occluded paw keeps it: nothing else says whose
@@ -151,8 +150,8 @@ def near_side_cost(
 
 
 def share_observed(
-    x: np.ndarray, anchors: Anchors, scene: Scene, *, body: np.ndarray, kinds: Sequence[str]
-) -> np.ndarray:
+    x: FloatArray, anchors: Anchors, scene: Scene, *, body: FloatArray, kinds: Sequence[str]
+) -> FloatArray:
     """Return in what share of all frames each unlabelled target was seen as a paw of its own.
 
     Where the paw of the other side is occluded its unlabelled target finds tracklets of the clicked
@@ -190,14 +189,14 @@ def share_observed(
 
 
 def assign_near_side(
-    x: np.ndarray,
+    x: FloatArray,
     anchors: Anchors,
     scene: Scene,
     *,
-    body: np.ndarray,
+    body: FloatArray,
     kinds: Sequence[str],
     clicked: int,
-) -> np.ndarray:
+) -> FloatArray:
     """Exchange paths of clicked points and unlabelled targets where those fit the clicks better.
 
     In space, a clicked point stays at the side where it was clicked. In a picture, what was
@@ -242,6 +241,6 @@ def assign_near_side(
     return x
 
 
-def _from_body(anchors: Anchors, body: np.ndarray) -> dict[int, dict[int, np.ndarray]]:
+def _from_body(anchors: Anchors, body: FloatArray) -> dict[int, dict[int, np.ndarray]]:
     """Return how far from the body certain positions are."""
     return {t: {p: at - body[t] for p, at in here.items()} for t, here in anchors.items()}

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 
 
@@ -28,11 +29,11 @@ class LateralPrior:
         One over the variance of that; 0 of points of which nothing is known.
     """
 
-    across: np.ndarray
-    usual: np.ndarray
-    information: np.ndarray
+    across: FloatArray
+    usual: FloatArray
+    information: FloatArray
 
-    def add(self, W: np.ndarray, z: np.ndarray, views: np.ndarray) -> None:
+    def add(self, W: FloatArray, z: FloatArray, views: IntArray) -> None:
         """Add to information (n, P, d, d) and target (n, P, d) where fewer than two views see.
 
         ``views`` is how many do, shape (n, P).
@@ -52,7 +53,7 @@ class LateralPrior:
 
 
 def learn_lateral_prior(
-    places: np.ndarray, body: np.ndarray, across: np.ndarray, *, body_scale: float
+    places: FloatArray, body: FloatArray, across: FloatArray, *, body_scale: float
 ) -> LateralPrior:
     """Return where points usually are to the side of the body.
 

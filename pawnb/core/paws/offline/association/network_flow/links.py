@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
@@ -45,7 +46,7 @@ class FlowCosts:
     acceleration: float
     noise: float
     speed: float
-    substrate_velocity: np.ndarray
+    substrate_velocity: FloatArray
     occlusion_onset_cost: float
     occlusion_frame_cost: float
     max_occlusion: int
@@ -114,7 +115,7 @@ def _speed_variance(n: int, costs: FlowCosts) -> float:
 
 
 def links_between(
-    nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
+    nodes: Sequence[Tracklet], owner: IntArray, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
     """Return the links worth considering.
 
@@ -214,7 +215,7 @@ def _cheapest(
 
 
 def _long_links(
-    nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
+    nodes: Sequence[Tracklet], owner: IntArray, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
     """Return links between anchors of a point that are farther apart than a gap may be.
 
@@ -232,7 +233,7 @@ def _long_links(
     return links
 
 
-def first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[int, int, float]]:
+def first_links(first: IntArray, begin: int, costs: FlowCosts) -> list[tuple[int, int, float]]:
     """Return the links of a point that may begin with any early tracklet.
 
     Parameters
@@ -256,7 +257,7 @@ def first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[i
 
 
 def links_back(
-    first: np.ndarray, begin: int, ahead: Sequence[int], *, costs: FlowCosts
+    first: IntArray, begin: int, ahead: Sequence[int], *, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
     """Return the links of a point of which nothing is known in frame 0.
 

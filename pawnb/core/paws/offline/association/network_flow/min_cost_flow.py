@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.association.network_flow.links import (
     FlowCosts,
     first_links,
@@ -87,7 +88,7 @@ class MinCostFlow:
         self.edges += links
         return begin
 
-    def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
+    def assign(self, prior: FloatArray | None = None) -> list[list[int]]:
         """Choose the tracklets of every point.
 
         Parameters
@@ -105,12 +106,12 @@ class MinCostFlow:
 
 def _solve(
     nodes: Sequence[Tracklet],
-    owner: np.ndarray,
+    owner: IntArray,
     edges: Sequence[tuple[int, int, float]],
-    begin: np.ndarray,
+    begin: IntArray,
     size: tuple[int, int],
     costs: FlowCosts,
-    prior: np.ndarray | None,
+    prior: FloatArray | None,
 ) -> list[list[int]]:
     """Solve the flow; return the tracklets of each point."""
     n_frames, n_tracklets = size
@@ -153,7 +154,7 @@ def _solve(
     return _follow(what[x > 0.5], begin, n_tracklets)
 
 
-def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.ndarray) -> np.ndarray:
+def _optimum(what: IntArray, cost: FloatArray, begin: IntArray, need: BoolArray) -> FloatArray:
     """Return the cheapest whole-numbered flow through links (point, from, to), to -1 at the end."""
     n_nodes, column = len(need), np.arange(len(what))
     enters = np.flatnonzero(what[:, 2] >= 0)
@@ -185,7 +186,7 @@ def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.nda
     return np.asarray(x)
 
 
-def _follow(used: np.ndarray, begin: np.ndarray, n_tracklets: int) -> list[list[int]]:
+def _follow(used: IntArray, begin: IntArray, n_tracklets: int) -> list[list[int]]:
     """Read the tracklets of each point off the links used (point, from, to)."""
     chosen = []
     for p, first in enumerate(begin.tolist()):

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
     lateral_cost,
 )
@@ -31,7 +31,7 @@ _REACH = 1.5
 last bins."""
 
 
-def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
+def follow_body(x: FloatArray, frames: int) -> FloatArray:
     """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where occluded.
 
     Parameters
@@ -55,10 +55,10 @@ def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
 
 
 def learn_positional_prior(
-    x: np.ndarray,
-    body: np.ndarray,
+    x: FloatArray,
+    body: FloatArray,
     *,
-    axes: Sequence[np.ndarray],
+    axes: Sequence[FloatArray],
     groups: Sequence[Sequence[str]],
     body_scale: float,
 ) -> list[list[np.ndarray]]:
@@ -109,12 +109,12 @@ def learn_positional_prior(
 
 def positional_cost(
     tracklets: Sequence[Tracklet],
-    body: np.ndarray,
+    body: FloatArray,
     *,
-    axes: Sequence[np.ndarray],
+    axes: Sequence[FloatArray],
     positional_prior: Sequence[Sequence[np.ndarray]],
     body_scale: float,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the cost (P, tracklets) of each tracklet for each point.
 
     Parameters
@@ -147,7 +147,7 @@ def positional_cost(
     return total
 
 
-def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
+def _bin(along: FloatArray, body_scale: float) -> IntArray:
     """Return the bin of positions, from -``_REACH`` to ``_REACH`` spans."""
     return np.clip(
         ((along / body_scale + _REACH) / (2 * _REACH) * NETWORK_FLOW.positional_prior_bins).astype(
@@ -212,7 +212,7 @@ def where_kinds_are(
     *,
     kinds: Sequence[str],
     frames: int,
-) -> list[np.ndarray]:
+) -> list[FloatArray]:
     """Return where the points of each point's kind are along forward, before all tracking.
 
     That is where they were clicked, moved as the middle of all places, followed over some

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 
@@ -23,14 +24,14 @@ of a dual or of a feasible solution): they only tell how soon the bounds are clo
 
 
 def useful_links(
-    links: np.ndarray,
-    cost: np.ndarray,
+    links: IntArray,
+    cost: FloatArray,
     *,
-    rank: np.ndarray,
-    begin: np.ndarray,
-    need: np.ndarray,
-    price: np.ndarray,
-) -> np.ndarray:
+    rank: IntArray,
+    begin: IntArray,
+    need: BoolArray,
+    price: FloatArray,
+) -> BoolArray:
     """Tell which links may be in a cheapest set of paths.
 
     Parameters

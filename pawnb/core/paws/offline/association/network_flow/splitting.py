@@ -12,6 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
 
@@ -102,8 +103,8 @@ def split_at_swaps(tracklets: Sequence[Tracklet], apart: float, frames: int) -> 
 def split_sliding(
     tracklets: Sequence[Tracklet],
     *,
-    substrate_velocity: np.ndarray,
-    axes: np.ndarray,
+    substrate_velocity: FloatArray,
+    axes: FloatArray,
     paw_width: float,
     frames: int,
 ) -> list[Tracklet]:
@@ -141,7 +142,7 @@ def split_sliding(
     return sorted(parts, key=lambda tracklet: tracklet.first)
 
 
-def _slides(still: np.ndarray, axes: np.ndarray, paw_width: float, frames: int) -> list[int]:
+def _slides(still: FloatArray, axes: FloatArray, paw_width: float, frames: int) -> list[int]:
     """Return where places on the ground (n, d) slide: the first frame after each slide's middle."""
     apart = frames + 2 * NETWORK_FLOW.splitting_between
     if len(still) < apart + frames:

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.association.network_flow.body_clutter import without_body_clutter
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
     assign_near_side,
@@ -90,7 +91,7 @@ class TrackletAssociator:
         settings: OfflineSettings,
         kinds: Sequence[str],
         likelihood: AppearanceLikelihood,
-        tracked_in_view: np.ndarray,
+        tracked_in_view: BoolArray,
     ) -> None:
         self.scene, self.kinds = scene, kinds
         self.anchors = anchors
@@ -184,7 +185,7 @@ class TrackletAssociator:
             other._elsewhere = self._elsewhere + np.add.reduceat(cost, begins, axis=1)
         return other
 
-    def first(self) -> np.ndarray:
+    def first(self) -> FloatArray:
         """Choose by the clicks, then by where points usually are.
 
         Returns
@@ -221,7 +222,7 @@ class TrackletAssociator:
             x, self.anchors, self.scene, body=self.body(x), kinds=self.kinds, clicked=self._clicked
         )
 
-    def again(self, cycle: Cycle) -> np.ndarray:
+    def again(self, cycle: Cycle) -> FloatArray:
         """Choose by where each point is expected at each moment of the stride.
 
         Returns
@@ -242,11 +243,11 @@ class TrackletAssociator:
         )
         return self._choose(np.add.reduceat(cost, first, axis=1))
 
-    def body(self, x: np.ndarray) -> np.ndarray:
+    def body(self, x: FloatArray) -> FloatArray:
         """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where occluded."""
         return follow_body(x, self.body_frames)
 
-    def _choose(self, prior: np.ndarray | None) -> np.ndarray:
+    def _choose(self, prior: FloatArray | None) -> FloatArray:
         """Return where the cheapest chains of tracklets go."""
         x = np.full(self.shape, np.nan)
         look = self.scene.geometry.appearance_cost(total_costs(self.tracklets))
@@ -288,7 +289,7 @@ def _cheap_enough(tracklets: Sequence[Tracklet], dearest: float) -> list[Trackle
 
 
 def _dearest_click(
-    places: PointHypotheses, here: Mapping[int, np.ndarray], paw_width: float
+    places: PointHypotheses, here: Mapping[int, FloatArray], paw_width: float
 ) -> float:
     """Return the largest cost of the places where points were put by hand, 0 without any."""
     away = np.linalg.norm(places.at[:, None] - np.stack(list(here.values())), axis=-1)

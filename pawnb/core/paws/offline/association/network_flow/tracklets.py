@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
@@ -36,7 +37,7 @@ class LinkingModel:
     acceleration: float
     noise: float
     speed: float
-    substrate_velocity: np.ndarray
+    substrate_velocity: FloatArray
     best_cost: float
 
 
@@ -58,8 +59,8 @@ class Tracklet:
 
     first: int
     detection_indices: list[int]
-    at: np.ndarray
-    cost: np.ndarray
+    at: FloatArray
+    cost: FloatArray
 
     @property
     def last(self) -> int:
@@ -67,8 +68,8 @@ class Tracklet:
         return self.first + len(self.detection_indices) - 1
 
     def end(
-        self, substrate_velocity: np.ndarray, *, head: bool
-    ) -> tuple[np.ndarray, np.ndarray, int]:
+        self, substrate_velocity: FloatArray, *, head: bool
+    ) -> tuple[FloatArray, FloatArray, int]:
         """Return position and speed at the first or last frame, and how many frames it is from."""
         part = (
             self.at[: NETWORK_FLOW.tracklets_ends]
@@ -83,7 +84,7 @@ class Tracklet:
 
 
 @functools.cache
-def _end_weights(n: int, parabola_from: int, *, head: bool) -> np.ndarray:
+def _end_weights(n: int, parabola_from: int, *, head: bool) -> FloatArray:
     """Return what each of n places weighs in position and speed (2, n) at one end.
 
     Those of the straight line of least squares, or of the parabola where there are enough.
@@ -95,7 +96,7 @@ def _end_weights(n: int, parabola_from: int, *, head: bool) -> np.ndarray:
 
 def estimate_substrate_velocity(
     places: Sequence[PointHypotheses], *, within: float, longest: float, lag: int = 1
-) -> np.ndarray:
+) -> FloatArray:
     """Return the commonest step of good places from one frame to the next, (d,).
 
     Paws on the ground all move with it, so their steps pile up.
@@ -300,7 +301,7 @@ def _mutual(square: np.ndarray, gate: tuple[float, float, float, float]) -> np.n
     return taken
 
 
-def total_costs(tracklets: Sequence[Tracklet]) -> np.ndarray:
+def total_costs(tracklets: Sequence[Tracklet]) -> FloatArray:
     """Return the summed costs (tracklets,) of the places of each tracklet."""
     if not tracklets:
         return np.zeros(0)
@@ -310,7 +311,7 @@ def total_costs(tracklets: Sequence[Tracklet]) -> np.ndarray:
     )
 
 
-def joined(tracklets: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def joined(tracklets: Sequence[Tracklet]) -> tuple[IntArray, FloatArray, IntArray]:
     """Return all tracklets one after another.
 
     Parameters

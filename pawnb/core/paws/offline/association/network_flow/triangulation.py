@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
@@ -29,12 +30,12 @@ class Volume:
         Lowest and highest coordinate along ``across``.
     """
 
-    up: np.ndarray
-    across: np.ndarray
+    up: FloatArray
+    across: FloatArray
     height: tuple[float, float]
     width: tuple[float, float]
 
-    def holds(self, xyz: np.ndarray) -> np.ndarray:
+    def holds(self, xyz: FloatArray) -> BoolArray:
         """Tell which points (n, 3) lie inside."""
         h, w = xyz @ self.up, xyz @ self.across
         return np.asarray(
@@ -55,14 +56,14 @@ class PointHypotheses:
         Cost of taking each for a paw; lower is better.
     """
 
-    at: np.ndarray
-    cost: np.ndarray
+    at: FloatArray
+    cost: FloatArray
 
-    def take(self, which: np.ndarray) -> PointHypotheses:
+    def take(self, which: BoolArray) -> PointHypotheses:
         """Return some of the hypotheses."""
         return PointHypotheses(self.at[which], self.cost[which])
 
-    def distance(self, points: np.ndarray) -> np.ndarray:
+    def distance(self, points: FloatArray) -> FloatArray:
         """Return the distance (k,) of each from the nearest of some points (m, d)."""
         away = np.linalg.norm(self.at[:, None] - points[None], axis=-1)
         return np.asarray(away.min(axis=1, initial=np.inf))
@@ -89,10 +90,10 @@ class StereoMatcher:
 
     def __init__(
         self,
-        coefs: np.ndarray,
+        coefs: FloatArray,
         volume: Volume,
         *,
-        tolerance_px: np.ndarray,
+        tolerance_px: FloatArray,
         likelihood: AppearanceLikelihood,
         apart: float,
         most: int,
@@ -131,7 +132,7 @@ class StereoMatcher:
             for a, b in itertools.pairwise(first.tolist())
         ]
 
-    def _meeting(self, uv: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _meeting(self, uv: Float32Array, is_there: BoolArray) -> tuple[IntArray, FloatArray]:
         """Return frames (k,) and positions (k, 3) where rays of two views meet."""
         frames, positions = [np.empty(0, int)], [np.empty((0, 3))]
         point = np.concatenate([uv, np.ones_like(uv[..., :1])], axis=-1).astype(float)
@@ -148,7 +149,7 @@ class StereoMatcher:
             positions.append(triangulate(self.coefs[:, [a, b]], both))
         return np.concatenate(frames), np.concatenate(positions)
 
-    def seen(self, frame: np.ndarray, xyz: np.ndarray, found: InFrames) -> np.ndarray:
+    def seen(self, frame: IntArray, xyz: FloatArray, found: InFrames) -> FloatArray:
         """Return how much each view shows a paw at points, softly counted.
 
         Parameters
@@ -168,8 +169,8 @@ class StereoMatcher:
         return self._seen(frame, xyz, *pad_and_stack(found))
 
     def _seen(
-        self, frame: np.ndarray, xyz: np.ndarray, every: Detections, is_there: np.ndarray
-    ) -> np.ndarray:
+        self, frame: IntArray, xyz: FloatArray, every: Detections, is_there: BoolArray
+    ) -> FloatArray:
         """Return the same for detections side by side."""
         good = np.stack(
             [
@@ -185,6 +186,6 @@ class StereoMatcher:
         )
 
 
-def triangulate(coefs: np.ndarray, uv: np.ndarray) -> np.ndarray:
+def triangulate(coefs: FloatArray, uv: FloatArray) -> FloatArray:
     """Triangulate (n, V, 2) by the normal equations: quick, for hypotheses only."""
     return loops.triangulate(np.ascontiguousarray(coefs.T), np.ascontiguousarray(uv))

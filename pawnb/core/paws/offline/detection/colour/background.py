@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.detection.colour.illumination import (
     mean_illumination,
@@ -15,14 +16,14 @@ from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.pixels.grey import has_colour
 
 
-def to_grey(pixels: np.ndarray) -> np.ndarray:
+def to_grey(pixels: ByteArray) -> ByteArray:
     """Return the grey levels of a picture without colour."""
     return pixels if pixels.ndim == 2 else pixels[..., 1]
 
 
 def estimate_background(
-    views: Views, sizes: Sequence[tuple[int, int]], shown: Mapping[int, np.ndarray]
-) -> list[np.ndarray | None]:
+    views: Views, sizes: Sequence[tuple[int, int]], shown: Mapping[int, ByteArray]
+) -> list[ByteArray | None]:
     """Return what stands still in each view: the median of frames from all over the recording.
 
     Legs are never long at one place, so the median shows what is behind them, and of a wheel

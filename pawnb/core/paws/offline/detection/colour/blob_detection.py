@@ -10,10 +10,11 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
-def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
+def detect_blobs(score: Float32Array, reach: int, usual: float) -> tuple[FloatArray, Float32Array]:
     """Find the middles of paw-coloured spots.
 
     Parameters

@@ -21,6 +21,7 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.detection.colour.background import to_grey
 from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
     FineColours,
@@ -62,10 +63,10 @@ class Appearance:
         What turns a colour into finer steps.
     """
 
-    table: np.ndarray
+    table: Float32Array
     paw_width_px: float
     around_px: int
-    background: np.ndarray | None = None
+    background: ByteArray | None = None
     usual: float = field(default_factory=lambda: COLOUR.colour_model_limit)
     mistaken: float = 0.0
     fine_colours: FineColours | None = None
@@ -76,7 +77,7 @@ class Appearance:
         return self.fine_colours is not None and self.fine_colours.is_faint
 
     def score(
-        self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
+        self, pixels: ByteArray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
     ) -> np.ndarray:
         """Return the log-likelihood ratio (h, w) float32 of a part of the view.
 
@@ -109,7 +110,7 @@ class Appearance:
         return score if self.fine_colours is None else self.fine_colours.stand_out(score)
 
 
-def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
+def reduce(pixels: ByteArray, shrink: int) -> ByteArray:
     """Return a picture reduced by a whole factor."""
     if shrink == 1:
         return pixels
@@ -119,8 +120,8 @@ def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
 
 
 def learn(
-    pictures: Sequence[np.ndarray],
-    clicks: Sequence[np.ndarray],
+    pictures: Sequence[ByteArray],
+    clicks: Sequence[FloatArray],
     *,
     around_px: int,
     backgrounds: Sequence[np.ndarray | None] | None = None,
@@ -156,10 +157,10 @@ def learn(
 class _Lesson:
     """What the appearance of paws is learnt from; see :func:`learn`."""
 
-    pictures: Sequence[np.ndarray]
-    clicks: Sequence[np.ndarray]
+    pictures: Sequence[ByteArray]
+    clicks: Sequence[FloatArray]
     around_px: int
-    still: Sequence[np.ndarray | None]
+    still: Sequence[ByteArray | None]
     width: float
     shrink: int
 
@@ -168,7 +169,7 @@ class _Lesson:
         """Whether the pictures are in colour."""
         return self.pictures[0].ndim == 3
 
-    def colours(self, is_faint: bool) -> np.ndarray:
+    def colours(self, is_faint: bool) -> ByteArray:
         """Return the colours (n, 3) at the clicks, smoothed as where paws are faint or not."""
         return np.concatenate(
             [
@@ -177,7 +178,7 @@ class _Lesson:
             ]
         )
 
-    def patches(self, reach: int) -> list[np.ndarray]:
+    def patches(self, reach: int) -> list[BoolArray]:
         """Mark what is so near to the clicks of each picture."""
         return [
             disk_mask(picture.shape, uv, reach)
@@ -198,7 +199,7 @@ class _Lesson:
         ]
         seeds, rest = self.patches(1), [self.patches(round(w * self.width)) for w in wides]
 
-        def told(near: float) -> tuple[np.ndarray, float]:
+        def told(near: float) -> tuple[FloatArray, float]:
             """Return the ratio learnt so near to the clicks, and what is usual at them."""
             close = self.patches(round(near * self.width))
             ratio = _ratio(
@@ -238,7 +239,7 @@ class _Lesson:
         )
 
     def _passing(
-        self, ratio: np.ndarray, numbers: Sequence[np.ndarray], rest: Sequence[np.ndarray]
+        self, ratio: FloatArray, numbers: Sequence[IntArray], rest: Sequence[BoolArray]
     ) -> float:
         """Return the ratio that few pixels of the rest, paws left out, have more than."""
         paws = self.patches(round(2.0 * COLOUR.colour_model_reach * self.width))
@@ -249,10 +250,10 @@ class _Lesson:
 
 
 def _prepare(
-    pictures: Sequence[np.ndarray],
-    clicks: Sequence[np.ndarray],
+    pictures: Sequence[ByteArray],
+    clicks: Sequence[FloatArray],
     around_px: int,
-    still: Sequence[np.ndarray | None],
+    still: Sequence[ByteArray | None],
 ) -> _Lesson:
     """Return what is learnt from: of colour pictures what is about the clicks, not too fine."""
     width, shrink = float(max(picture.shape[1] for picture in pictures)), 1
@@ -268,21 +269,21 @@ def _prepare(
 
 
 def _scores(
-    table: np.ndarray, numbers: Sequence[np.ndarray], where: Sequence[np.ndarray]
-) -> np.ndarray:
+    table: np.ndarray, numbers: Sequence[IntArray], where: Sequence[BoolArray]
+) -> Float32Array:
     """Return the entries of a table for the marked pixels of all pictures."""
     return np.concatenate([_even(table[n])[mark] for n, mark in zip(numbers, where, strict=True)])
 
 
 def _ratio(
-    numbers: Sequence[np.ndarray],
-    seeds: Sequence[np.ndarray],
-    close: Sequence[np.ndarray],
+    numbers: Sequence[IntArray],
+    seeds: Sequence[BoolArray],
+    close: Sequence[BoolArray],
     rest: Sequence[Sequence[np.ndarray]],
     *,
     is_colour: bool,
     fine_colours: FineColours | None,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the log-likelihood ratio of each bin.
 
     Parameters
@@ -328,7 +329,7 @@ def _ratio(
     return ratio
 
 
-def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
+def _about(picture: ByteArray, clicks: FloatArray, reach: int) -> tuple[ByteArray, FloatArray]:
     """Return the part of a picture that the clicks' surroundings cover, and clicks in it."""
     margin = reach + _FILTERS
     low = np.maximum(np.floor(clicks.min(axis=0)).astype(int) - margin, 0)
@@ -349,7 +350,7 @@ def _even(score: np.ndarray) -> np.ndarray:
     return cv2.GaussianBlur(score.astype(np.float32), (3, 3), COLOUR.score_blur_px)
 
 
-def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> np.ndarray:
+def _gaussian(features: FloatArray, members: FloatArray, floor: FloatArray) -> FloatArray:
     """Return the probability of each bin under a Gaussian fitted to some members."""
     middle = np.median(members, axis=0)
     step = members - middle

@@ -21,6 +21,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _BRIGHTER, _REDDER, _BLUER = (0.30, 0.59, 0.11), (1.0, -1.0, 0.0), (-0.5, -0.5, 1.0)
@@ -47,14 +48,14 @@ class FineColours:
         and scores are compared with those about them.
     """
 
-    weights: np.ndarray
+    weights: Float32Array
     is_faint: bool = False
 
-    def of(self, pixels: np.ndarray) -> np.ndarray:
+    def of(self, pixels: ByteArray) -> ByteArray:
         """Return a picture (h, w, 3), uint8, smoothed and in fine steps: 8 levels are one step."""
         return np.asarray(cv2.transform(smooth_fine_colours(pixels, self.is_faint), self.weights))
 
-    def stand_out(self, score: np.ndarray) -> np.ndarray:
+    def stand_out(self, score: Float32Array) -> Float32Array:
         """Return the score (h, w) of places by which they differ from what is about them."""
         if not self.is_faint:
             return score
@@ -85,13 +86,13 @@ def fine_colours_near(colours: np.ndarray, *, is_faint: bool = False) -> FineCol
     return FineColours(np.column_stack([weights, added]).astype(np.float32), is_faint)
 
 
-def smooth_fine_colours(pixels: np.ndarray, is_faint: bool) -> np.ndarray:
+def smooth_fine_colours(pixels: ByteArray, is_faint: bool) -> ByteArray:
     """Return a picture (h, w, 3), uint8, without the noise of single pixels."""
     side, px = COLOUR.smooth_much if is_faint else COLOUR.colour_quantisation_smooth
     return np.asarray(cv2.GaussianBlur(pixels, (side, side), px))
 
 
-def fine_colours_floor() -> np.ndarray:
+def fine_colours_floor() -> FloatArray:
     """Return the least covariance (3, 3) of a colour in fine steps."""
     return np.diag(COLOUR.colour_quantisation_noise) ** 2
 
@@ -141,7 +142,7 @@ def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
     return np.asarray(np.clip((pixels - base + (8 << _SHIFT)) >> _SHIFT, 0, _BINS - 1))
 
 
-def features_of_bins(is_colour: bool, fine_colours: FineColours | None) -> np.ndarray:
+def features_of_bins(is_colour: bool, fine_colours: FineColours | None) -> FloatArray:
     """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
     n = np.arange(_BINS**3)
     levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * (1 << _SHIFT)
@@ -152,7 +153,7 @@ def features_of_bins(is_colour: bool, fine_colours: FineColours | None) -> np.nd
     return lab[0].astype(float)
 
 
-def histogram_of_bins(numbers: np.ndarray) -> np.ndarray:
+def histogram_of_bins(numbers: IntArray) -> FloatArray:
     """Return the smoothed frequency of each bin."""
     count = np.bincount(numbers, minlength=_BINS**3).astype(float)
     count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), COLOUR.histogram_blur).ravel()

@@ -8,6 +8,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, Float32Array
+
 N_COLUMNS = 8
 """Layout: numbers of a detection, in tables for loops and files."""
 
@@ -69,7 +71,7 @@ class Detections:
         return len(self.table)
 
     @property
-    def uv(self) -> np.ndarray:
+    def uv(self) -> Float32Array:
         """Where they are (..., 2), px: the centre of the mask near the end."""
         return self.table[..., _UV]
 
@@ -89,7 +91,7 @@ class Detections:
         return np.asarray(self.table[..., _SCORE])
 
     @property
-    def tip(self) -> np.ndarray:
+    def tip(self) -> Float32Array:
         """The end pixel itself (..., 2), px."""
         return self.table[..., _TIP]
 
@@ -109,7 +111,7 @@ InFrames: TypeAlias = Sequence[Sequence[Detections]]
 """For each frame, the detections of each view."""
 
 
-def pad_and_stack(found: InFrames) -> tuple[Detections, np.ndarray]:
+def pad_and_stack(found: InFrames) -> tuple[Detections, BoolArray]:
     """Put detections side by side.
 
     Parameters

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
@@ -56,7 +57,7 @@ class DetectorConfig:
     shrink: int
     reach: int
     limb_direction: tuple[float, float] = (0.0, 1.0)
-    limits: np.ndarray | None = None
+    limits: FloatArray | None = None
     is_below: bool = False
     finds_blobs: bool = False
     illumination: tuple[float, ...] | None = None
@@ -107,7 +108,7 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
     return Detections(found.table[best[: detector.most]].astype(np.float32))
 
 
-def _blobs(score: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
+def _blobs(score: Float32Array, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
     """Return the detections of a view from below: each points where limbs tend to end."""
     at, likeness = detect_blobs(score, detector.reach, detector.appearance.usual)
     at = (at + 0.5) * detector.shrink - 0.5 + origin
@@ -124,7 +125,7 @@ def _blobs(score: np.ndarray, origin: tuple[int, int], detector: DetectorConfig)
     return found.take(np.argsort(-likeness, kind="stable")[: detector.most])
 
 
-def endpoint_score(found: Detections, limb_direction: tuple[float, float]) -> np.ndarray:
+def endpoint_score(found: Detections, limb_direction: tuple[float, float]) -> FloatArray:
     """Return how much each detection of one view looks like the end of a paw, 0 to 1."""
     length = np.hypot(found.direction[:, 0], found.direction[:, 1])
     cosine = (found.direction @ np.asarray(limb_direction)) / np.maximum(length, 1e-6)

@@ -12,17 +12,16 @@ import math
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
-def mean_illumination(pixels: np.ndarray) -> tuple[float, ...]:
+def mean_illumination(pixels: ByteArray) -> tuple[float, ...]:
     """Return the mean of each channel of a picture (h, w, 3) or (h, w), uint8."""
     return cv2.mean(pixels)[: 1 if pixels.ndim == 2 else 3]
 
 
-def normalise_illumination(
-    pixels: np.ndarray, illumination: tuple[float, ...] | None
-) -> np.ndarray:
+def normalise_illumination(pixels: ByteArray, illumination: tuple[float, ...] | None) -> ByteArray:
     """Return a picture as it would be in another light.
 
     Parameters

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
@@ -29,13 +30,13 @@ class Offsets:
         Standard error of both, from how well the clicks agree.
     """
 
-    along: np.ndarray
-    across: np.ndarray
-    unsure: np.ndarray
+    along: FloatArray
+    across: FloatArray
+    unsure: FloatArray
 
     def apply(
         self, found: Detections, point: int, *, paw_width_px: float, facing: int
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Return the tracked point's position (n, 2) for detections of one view.
 
         Parameters
@@ -62,10 +63,10 @@ class Offsets:
 
 
 def learn_offsets(
-    clicks: np.ndarray,
+    clicks: FloatArray,
     found: Mapping[int, InViews],
     *,
-    paw_width_px: np.ndarray,
+    paw_width_px: FloatArray,
     facing: Sequence[int],
     limb_direction: Sequence[tuple[float, float]],
     kinds: Sequence[str],
@@ -129,17 +130,17 @@ def learn_offsets(
     return Offsets(means[:, 0], means[:, 1], unsure)
 
 
-def _usual(rows: np.ndarray) -> np.ndarray:
+def _usual(rows: FloatArray) -> FloatArray:
     """Return the median of each column but the last, which says how good each row is."""
     return np.asarray(np.median(_good(rows), axis=0))
 
 
-def _good(rows: np.ndarray) -> np.ndarray:
+def _good(rows: FloatArray) -> FloatArray:
     """Return the rows that look well enough, without the column that says so."""
     return rows[rows[:, -1] >= COLOUR.label_offsets_worse * rows[:, -1].max(), :-1]
 
 
-def _standard_error(rows: np.ndarray) -> float:
+def _standard_error(rows: FloatArray) -> float:
     """Return the standard error of :func:`_usual`, that of both columns together."""
     good = _good(rows)
     square = max(float(good.var(axis=0).mean()), COLOUR.label_offsets_click**2)

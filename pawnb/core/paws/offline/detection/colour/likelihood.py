@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
@@ -48,10 +49,10 @@ class AppearanceLikelihood:
     """
 
     limb_direction: Sequence[tuple[float, float]]
-    paw_width_px: np.ndarray
+    paw_width_px: FloatArray
     score: float | None = None
 
-    def likeness(self, found: Detections, view: int) -> np.ndarray:
+    def likeness(self, found: Detections, view: int) -> FloatArray:
         """Return how much each detection of a view looks like a paw, 0 to 1."""
         plain = endpoint_score(found, self.limb_direction[view])
         if self.score is None:
@@ -104,7 +105,7 @@ def measures(
 
 
 def score_at_clicks(
-    clicks: np.ndarray, found: Mapping[int, InViews], likelihood: AppearanceLikelihood
+    clicks: FloatArray, found: Mapping[int, InViews], likelihood: AppearanceLikelihood
 ) -> float | None:
     """Return the usual score of the detections of clicks.
 

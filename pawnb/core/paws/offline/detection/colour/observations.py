@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, pad_and_stack
 from pawnb.core.paws.offline.detection.colour.label_offsets import Offsets
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
@@ -30,9 +31,9 @@ class Observations:
         False where a picture has fewer detections.
     """
 
-    raw: np.ndarray
-    at: np.ndarray
-    detection_probability: np.ndarray
+    raw: FloatArray
+    at: FloatArray
+    detection_probability: FloatArray
     is_there: np.ndarray
 
     def only(self, frame: int) -> Observations:
@@ -86,13 +87,13 @@ def read_observations(
 
 
 def tracked_points(
-    places: np.ndarray,
+    places: FloatArray,
     observations: Observations,
     *,
     geometry: Projection,
-    paw_width_px: np.ndarray,
+    paw_width_px: FloatArray,
     view: int | None = None,
-) -> np.ndarray:
+) -> FloatArray:
     """Return where the tracked points are of places made of detections.
 
     Parameters

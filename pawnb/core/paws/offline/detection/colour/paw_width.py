@@ -7,11 +7,12 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
 def paw_width_at(
-    numbers: Sequence[np.ndarray], table: np.ndarray, clicks: Sequence[np.ndarray]
+    numbers: Sequence[IntArray], table: Float32Array, clicks: Sequence[FloatArray]
 ) -> float:
     """Measure how thick the paws are at the clicks: twice the distance to their edge.
 

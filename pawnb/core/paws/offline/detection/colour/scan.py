@@ -11,6 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.parallel import THREADS, Threads
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -42,8 +43,8 @@ class ROI:
         Width and height of the view.
     """
 
-    centre: np.ndarray
-    half: np.ndarray
+    centre: FloatArray
+    half: FloatArray
     size: tuple[int, int]
     offset: float | None = field(default=None)
 
@@ -59,7 +60,7 @@ class ROI:
         (u0, u1), (v0, v1) = ends
         return u0, v0, u1, v1
 
-    def follow(self, u: np.ndarray, likeness: np.ndarray) -> None:
+    def follow(self, u: np.ndarray, likeness: FloatArray) -> None:
         """Move with the mean of the detections, by how much each looks like a paw.
 
         What looks little like one may be a part of the belt or the box: it does not move
@@ -89,7 +90,7 @@ def configure_detector(
     paw_width_px: float,
     limb_direction: tuple[float, float],
     *,
-    limits: np.ndarray | None = None,
+    limits: FloatArray | None = None,
     is_below: bool = False,
 ) -> DetectorConfig:
     """Choose the scale of the search: a paw is about six reduced pixels thick.

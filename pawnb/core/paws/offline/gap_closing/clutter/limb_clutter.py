@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
@@ -28,11 +29,11 @@ class LimbClutter:
         (row) it lies below the point and (column) to the right of it.
     """
 
-    cost: np.ndarray
+    cost: FloatArray
 
     def negative_log_odds(
-        self, uv: np.ndarray, observations: Observations, point: int, *, paw_width_px: np.ndarray
-    ) -> np.ndarray:
+        self, uv: FloatArray, observations: Observations, point: int, *, paw_width_px: FloatArray
+    ) -> FloatArray:
         """Return what the limb of a point says against every detection being another's.
 
         Parameters
@@ -58,7 +59,7 @@ class LimbClutter:
 
 
 def learn_limb_clutter(
-    uv: np.ndarray, trust: np.ndarray, observations: Observations, *, paw_width_px: np.ndarray
+    uv: FloatArray, trust: FloatArray, observations: Observations, *, paw_width_px: FloatArray
 ) -> LimbClutter:
     """Learn where detections lie about each point that are no point's.
 

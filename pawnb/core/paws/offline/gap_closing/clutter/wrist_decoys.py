@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.clutter.wrist_kernels import WristGates, follow
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
@@ -34,12 +35,12 @@ class WristDecoys:
         How far each is from its paw, px; 0 for all others.
     """
 
-    found: np.ndarray
-    away: np.ndarray
+    found: BoolArray
+    away: FloatArray
 
     def observed(
-        self, observations: Observations, negative_log_odds: np.ndarray
-    ) -> tuple[Observations, np.ndarray]:
+        self, observations: Observations, negative_log_odds: FloatArray
+    ) -> tuple[Observations, FloatArray]:
         """Return where every detection says its point is, and what speaks against it.
 
         Parameters
@@ -54,8 +55,8 @@ class WristDecoys:
         ), negative_log_odds + GAP_CLOSING.wrist_decoys_vague * self.found
 
     def left_out(
-        self, choice: np.ndarray, negative_log_odds: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, choice: IntArray, negative_log_odds: FloatArray
+    ) -> tuple[IntArray, FloatArray]:
         """Return a choice (n, P, V) without wrists, -1 there, and what then speaks against them.
 
         They tell what a paw did, but they are not what is measured of it.
@@ -72,7 +73,7 @@ def follow_wrist_decoys(
     *,
     substrate: Substrate,
     geometry: Projection,
-    paw_width_px: np.ndarray,
+    paw_width_px: FloatArray,
 ) -> WristDecoys:
     """Find wrists: detections that were apart from a paw while it surely stood.
 
