@@ -182,7 +182,8 @@ def test_points_stay_about_the_body_where_colour_tells_them(monkeypatch, is_lear
     states, _, _ = passes(monkeypatch, cycle="cycle", swings=None, scene=scene)
     assert len(states) == 3
     for state in states:
-        assert (state.body is None) == is_learnt
+        assert state.body is not None
+        assert state.are_apart != is_learnt
 
 
 @pytest.mark.parametrize(
