@@ -1,4 +1,5 @@
-// How much room there is for plots, whether the page is dark, and whether Python hears.
+// How much room there is for plots, whether the page is dark, and whether Python hears; the keys
+// that are pressed in the plots are left to them.
 // Joined behind connection.js by surroundings.py.
 
 // The first colour behind an element that covers what is behind it.
@@ -32,6 +33,12 @@ export default {
         model.save_changes();
       }, 150);
     };
+    // keys in the plots are the plots' own: the notebook asks only the element that has the focus
+    const keep = ({ target }) => {
+      if (!target.matches(".jupyter-matplotlib-canvas-div")) return;
+      if (el.parentElement && el.parentElement.contains(target)) target.dataset.lmSuppressShortcuts = "true";
+    };
+    document.addEventListener("focusin", keep);
     const room = new ResizeObserver(look);
     room.observe(el);
     const theme = new MutationObserver(look);
@@ -42,6 +49,7 @@ export default {
       room.disconnect();
       theme.disconnect();
       window.removeEventListener("resize", look);
+      document.removeEventListener("focusin", keep);
       connection.close();
     };
   },
