@@ -176,6 +176,7 @@ def test_plots_fit_the_page_and_follow_its_theme(small, source):
         assert box["height"] < 768 - 250
     small.page.set_viewport_size({"width": 1920, "height": 1200})
     # the cell is wider (in Notebook 7 as wide as its page gets), and the plots follow
+    small.page.wait_for_timeout(1500)  # the page is laid out anew first
     small.page.wait_for_function(
         """() => { const wide = (what) => [...document.querySelectorAll(what)].at(-1)
             .getBoundingClientRect().width;
