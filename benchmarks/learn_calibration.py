@@ -30,12 +30,13 @@ from scipy.optimize import minimize
 from scipy.special import expit
 
 import pawnb
-from pawnb.core.paws.offline import learnt_run, weighing
+from pawnb.core.paws.offline import learnt_run
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.quality.calibration import of_all_views, standard_deviation
 from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
 from pawnb.core.paws.offline.quality.signs import SIGNS
+from pawnb.core.paws.offline.self_training import weighing
 
 CELL_WEIGHT = 20.0
 """What the marks of a clip, tracked from so many clicked frames, weigh together; a weight of

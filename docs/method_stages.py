@@ -195,7 +195,7 @@ LEARNT = Diagram(
     "Tracks",
     (
         Loop("Estimates", "Appearance", "once more",
-             Stage("Learning again", "learning", "Frames in which all agree."),
+             Stage("Learning again", "self_training.learning", "Frames in which all agree."),
              "association.estimates.Estimates", "detection.appearance.Lesson"),
     ),
 )  # fmt: skip

@@ -13,6 +13,8 @@ PACKAGE = ROOT / "pawnb"
 
 FILES_IN_A_FOLDER = 15
 """In core, gait and workflow, the ``__init__`` among them."""
+ROOMS_OF_A_STAGE = 12
+"""At most a dozen in a folder of the default tracker of paws, beside the ``__init__``."""
 LINES = 420
 """About 400. Compiled loops may take more where one thought needs them."""
 LINES_OF_KERNELS = 600
@@ -30,6 +32,13 @@ def test_no_folder_is_too_full(part):
     counts = Counter(folder_of(path) for path in (PACKAGE / part).rglob("*.py"))
     assert {name: n for name, n in counts.items() if n > FILES_IN_A_FOLDER} == {}
     assert len(counts) > 5
+
+
+def test_no_stage_of_the_default_tracker_has_more_than_a_dozen_rooms():
+    rooms = (PACKAGE / "core" / "paws" / "offline").rglob("*.py")
+    counts = Counter(folder_of(path) for path in rooms if path.stem != "__init__")
+    assert {name: n for name, n in counts.items() if n > ROOMS_OF_A_STAGE} == {}
+    assert len(counts) > 10
 
 
 def test_no_file_is_too_long():

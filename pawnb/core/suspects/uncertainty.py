@@ -22,7 +22,7 @@ from scipy.ndimage import uniform_filter1d
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
-from pawnb.core.paws.offline.association.network_flow.positional_prior import follow_body
+from pawnb.core.paws.offline.association.network_flow.priors.positional_prior import follow_body
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import learn_cycle

@@ -17,7 +17,6 @@ from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
 from pawnb.core.paws.offline.detection.evidence import Detections, Evidence, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
-from pawnb.core.paws.offline.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import RUN, OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track, run_pipeline, view_track
@@ -29,9 +28,10 @@ from pawnb.core.paws.offline.reuse.retracking import (
     weighing_of,
 )
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
+from pawnb.core.paws.offline.self_training.learnt import LEARNT_IN, Learnt, learnt_as_text
+from pawnb.core.paws.offline.self_training.weighing import Weighing, weigh
 from pawnb.core.paws.offline.treadmill.annotations import read_placements
 from pawnb.core.paws.offline.view_input import ViewInput
-from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.paws.offline.windows import (
     chance_to_go_on,
     handed_on,

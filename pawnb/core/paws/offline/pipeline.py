@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import BoolArray, Float32Array, FloatArray
-from pawnb.core.paws.offline.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.association.forward_backward import Posterior
@@ -25,14 +24,15 @@ from pawnb.core.paws.offline.detection.appearance import (
 from pawnb.core.paws.offline.detection.correlation import detect_by_correlation
 from pawnb.core.paws.offline.detection.evidence import Detections, paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
-from pawnb.core.paws.offline.learning import agreed_lessons
-from pawnb.core.paws.offline.learnt import Learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.quality.signs import Signs, read_signs, usual_look
 from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.core.paws.offline.self_training.agreement import agreeing_share, trust_by_agreement
+from pawnb.core.paws.offline.self_training.learning import agreed_lessons
+from pawnb.core.paws.offline.self_training.learnt import Learnt
+from pawnb.core.paws.offline.self_training.weighing import Weighing, weigh
 from pawnb.core.paws.offline.view_input import ViewInput
-from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.rig import Rig
 
 

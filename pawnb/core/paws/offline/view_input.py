@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
-from pawnb.core.paws.offline.learnt import Earlier
 from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.core.paws.offline.self_training.learnt import Earlier
 
 
 @dataclass(frozen=True)

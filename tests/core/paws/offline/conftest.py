@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.compiled import Compiled
-from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame
+from pawnb.core.paws.offline.scene.registration.body_frame import ViewBodyFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
 PACKAGE = "pawnb.core.paws.offline."

@@ -23,7 +23,7 @@ from pawnb.core.paws.offline.detection.appearance import vary_picture
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.colour.blob_detection import peaks_at
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
-from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
+from pawnb.core.paws.offline.detection.colour.photometry.illumination import normalise_illumination
 from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
 from pawnb.core.paws.offline.detection.features import feature_maps
 from pawnb.core.paws.offline.detection.parameters import LEARNT

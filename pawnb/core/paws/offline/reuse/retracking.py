@@ -17,10 +17,10 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.learnt import Earlier, Learnt, learnt_of
 from pawnb.core.paws.offline.parameters import APPEARANCE, RUN
 from pawnb.core.paws.offline.scene.stack import BodyStack
-from pawnb.core.paws.offline.weighing import Powers, Weighing
+from pawnb.core.paws.offline.self_training.learnt import Earlier, Learnt, learnt_of
+from pawnb.core.paws.offline.self_training.weighing import Powers, Weighing
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks
 
 TRUST, MOTION, LEFT_OUT = "appearance_trust", "motion_trust", "left_out_offsets"

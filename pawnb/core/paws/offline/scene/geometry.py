@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.paws.offline.association.network_flow.lateral_prior import LateralPrior
+from pawnb.core.paws.offline.association.network_flow.priors.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood

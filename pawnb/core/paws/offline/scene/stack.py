@@ -15,8 +15,8 @@ from pawnb.core.parallel import Threads, in_parts
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
-from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame, find_body_frame
 from pawnb.core.paws.offline.scene.parameters import CAMERA
+from pawnb.core.paws.offline.scene.registration.body_frame import ViewBodyFrame, find_body_frame
 
 _KEPT_BYTES = 2e9
 """Resource: pictures are kept until the body's frame is known, up to so much: those of 1000 frames

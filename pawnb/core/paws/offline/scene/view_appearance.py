@@ -10,10 +10,13 @@ import numpy as np
 from pawnb.arrays import ByteArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.layout import Layout, Placement, Views
-from pawnb.core.paws.offline.detection.colour.background import estimate_background, to_grey
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, learn
 from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig
-from pawnb.core.paws.offline.detection.colour.illumination import mean_illumination
+from pawnb.core.paws.offline.detection.colour.photometry.background import (
+    estimate_background,
+    to_grey,
+)
+from pawnb.core.paws.offline.detection.colour.photometry.illumination import mean_illumination
 from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
 from pawnb.core.paws.offline.scene.clicks import frame_with_most_annotations
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT

@@ -13,11 +13,11 @@ import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core import dlt
-from pawnb.core.paws.offline.association.network_flow.lateral_prior import (
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
+from pawnb.core.paws.offline.association.network_flow.priors.lateral_prior import (
     LateralPrior,
     learn_lateral_prior,
 )
-from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.triangulation import (
     PointHypotheses,
     StereoMatcher,

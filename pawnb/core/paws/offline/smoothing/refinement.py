@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray
-from pawnb.core.paws.offline.association.network_flow.lateral_prior import LateralPrior
+from pawnb.core.paws.offline.association.network_flow.priors.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.state import GapClosing
 from pawnb.core.paws.offline.projection import Projection

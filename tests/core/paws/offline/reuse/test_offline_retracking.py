@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.offline.detection.appearance import Lesson
-from pawnb.core.paws.offline.learnt import LEARNT_IN, Earlier, Learnt, learnt_as_text, learnt_of
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.reuse.retracking import (
     Again,
@@ -15,7 +14,14 @@ from pawnb.core.paws.offline.reuse.retracking import (
     weighing_as_attributes,
     weighing_of,
 )
-from pawnb.core.paws.offline.weighing import Powers, Weighing, usual_powers
+from pawnb.core.paws.offline.self_training.learnt import (
+    LEARNT_IN,
+    Earlier,
+    Learnt,
+    learnt_as_text,
+    learnt_of,
+)
+from pawnb.core.paws.offline.self_training.weighing import Powers, Weighing, usual_powers
 from pawnb.io import native
 from pawnb.schema import ORIGIN_CODE, make_tracks
 

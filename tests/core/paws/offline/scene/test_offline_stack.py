@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
 from pawnb.core.paws.offline.scene import stack as stack_module
-from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame
+from pawnb.core.paws.offline.scene.registration.body_frame import ViewBodyFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 
 N = 40

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.association.network_flow.positional_prior import follow_body
+from pawnb.core.paws.offline.association.network_flow.priors.positional_prior import follow_body
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
 
 STRIDE, NOISE, SPAN = 31.3, 0.5, 40.0

@@ -17,7 +17,7 @@ from pawnb.core.paws.offline.association.network_flow.contralateral import (
 from pawnb.core.paws.offline.association.network_flow.links import FlowCosts
 from pawnb.core.paws.offline.association.network_flow.min_cost_flow import MinCostFlow
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
-from pawnb.core.paws.offline.association.network_flow.positional_prior import (
+from pawnb.core.paws.offline.association.network_flow.priors.positional_prior import (
     first_positional_cost,
     follow_body,
     learn_positional_prior,

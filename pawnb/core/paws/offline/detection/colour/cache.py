@@ -26,14 +26,14 @@ from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
 _CODE = (
-    "background.py",
+    "photometry/background.py",
     "blob_detection.py",
     "colour_model.py",
-    "colour_quantisation.py",
+    "photometry/colour_quantisation.py",
     "detections.py",
     "detector.py",
     "detector_kernels.py",
-    "illumination.py",
+    "photometry/illumination.py",
     "scan.py",
 )
 

@@ -10,7 +10,7 @@ of what is near the paws, averaged with that of all that is about the animal.
 
 Where much of what is about the animal would pass for paws by these bins, as on a belt as brown
 as they are, the table is learnt anew of finer steps of colour; see
-:mod:`pawnb.core.paws.offline.detection.colour.colour_quantisation`.
+:mod:`pawnb.core.paws.offline.detection.colour.photometry.colour_quantisation`.
 """
 
 from __future__ import annotations
@@ -22,8 +22,9 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
-from pawnb.core.paws.offline.detection.colour.background import to_grey
-from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
+from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
+from pawnb.core.paws.offline.detection.colour.photometry.background import to_grey
+from pawnb.core.paws.offline.detection.colour.photometry.colour_quantisation import (
     FineColours,
     bin_numbers,
     features_of_bins,
@@ -32,8 +33,7 @@ from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
     histogram_of_bins,
     smooth_fine_colours,
 )
-from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
-from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
+from pawnb.core.paws.offline.detection.colour.photometry.paw_width import paw_width_at
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 from pawnb.core.pixels.masks import dilate, disk_mask, region_grow
 

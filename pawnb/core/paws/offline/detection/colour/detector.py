@@ -19,7 +19,7 @@ from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
 from pawnb.core.paws.offline.detection.colour.detections import Detections
-from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
+from pawnb.core.paws.offline.detection.colour.photometry.illumination import normalise_illumination
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _NO_LIMITS = np.empty((0, 3))
@@ -48,7 +48,7 @@ class DetectorConfig:
         Whether the score is learnt, and high at the paws' points themselves: spots, too.
     illumination : tuple of float, optional
         Mean of each channel of the searched part at the clicks; see
-        :func:`~pawnb.core.paws.offline.detection.colour.illumination.normalise_illumination`.
+        :func:`~pawnb.core.paws.offline.detection.colour.photometry.illumination.normalise_illumination`.
     most : int
         Detections kept in one picture.
     """

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.association.network_flow.positional_prior import (
+from pawnb.core.paws.offline.association.network_flow.priors.positional_prior import (
     first_positional_cost,
     where_kinds_are,
 )

@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.arrays import ByteArray
 from pawnb.core.paws.layout import Views
-from pawnb.core.paws.offline.detection.colour.illumination import (
+from pawnb.core.paws.offline.detection.colour.photometry.illumination import (
     mean_illumination,
     normalise_illumination,
 )

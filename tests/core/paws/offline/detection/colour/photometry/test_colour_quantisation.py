@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.detection.colour.colour_model import learn
-from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
+from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig, detect, endpoint_score
+from pawnb.core.paws.offline.detection.colour.photometry.colour_quantisation import (
     FineColours,
     bin_numbers,
     fine_colours_near,
 )
-from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig, detect, endpoint_score
 from pawnb.core.paws.offline.detection.colour.scan import configure_detector
 
 PAW, BELT, GREEN, FUR = (140, 112, 101), (135, 105, 92), (70, 130, 70), (50, 48, 46)

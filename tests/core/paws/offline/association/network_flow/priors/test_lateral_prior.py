@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.association.network_flow.lateral_prior import learn_lateral_prior
+from pawnb.core.paws.offline.association.network_flow.priors.lateral_prior import (
+    learn_lateral_prior,
+)
 from pawnb.core.paws.offline.smoothing.smoother import smooth
 
 ACROSS = np.array([0.0, 1.0, 0.0])

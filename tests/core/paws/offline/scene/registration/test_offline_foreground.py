@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
-from pawnb.core.paws.offline.scene.foreground import find_blob
+from pawnb.core.paws.offline.scene.registration.camera_motion import find_camera_motion
+from pawnb.core.paws.offline.scene.registration.foreground import find_blob
 
 N = 40
 AXES = (30, 13)

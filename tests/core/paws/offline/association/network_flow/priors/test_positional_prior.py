@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pawnb.core.paws.offline.association.network_flow.positional_prior import follow_body
+from pawnb.core.paws.offline.association.network_flow.priors.positional_prior import follow_body
 
 
 def test_a_point_that_was_never_seen_tells_nothing_about_the_body():

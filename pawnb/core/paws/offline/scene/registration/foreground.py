@@ -10,8 +10,8 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import ByteArray, Float32Array, FloatArray
-from pawnb.core.paws.offline.scene.camera_motion import CameraMotion
 from pawnb.core.paws.offline.scene.parameters import CAMERA
+from pawnb.core.paws.offline.scene.registration.camera_motion import CameraMotion
 
 
 @dataclass(frozen=True)

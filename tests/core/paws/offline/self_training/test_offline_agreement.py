@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.self_training.agreement import agreeing_share, trust_by_agreement
 
 N, RADIUS = 16, 2.5
 

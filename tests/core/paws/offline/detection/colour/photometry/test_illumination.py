@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.background import estimate_background
-from pawnb.core.paws.offline.detection.colour.illumination import (
+from pawnb.core.paws.offline.detection.colour.photometry.background import estimate_background
+from pawnb.core.paws.offline.detection.colour.photometry.illumination import (
     mean_illumination,
     normalise_illumination,
 )

@@ -7,13 +7,13 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline import weighing
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick
 from pawnb.core.paws.offline.quality.signs import SIGNS
+from pawnb.core.paws.offline.self_training import weighing
+from pawnb.core.paws.offline.self_training.weighing import Powers, Weighing, usual_powers, weigh
 from pawnb.core.paws.offline.view_input import ViewInput
-from pawnb.core.paws.offline.weighing import Powers, Weighing, usual_powers, weigh
 
 N = 15
 PARAMETERS = OfflineParameters(

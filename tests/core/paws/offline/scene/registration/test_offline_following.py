@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
-from pawnb.core.paws.offline.scene.following import follow_animal
+from pawnb.core.paws.offline.scene.registration.camera_motion import find_camera_motion
+from pawnb.core.paws.offline.scene.registration.following import follow_animal
 
 N, EXTENT = 40, 50.0
 T = np.arange(N)

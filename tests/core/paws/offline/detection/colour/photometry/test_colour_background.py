@@ -3,8 +3,11 @@
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.colour.background import estimate_background, to_grey
 from pawnb.core.paws.offline.detection.colour.colour_model import learn
+from pawnb.core.paws.offline.detection.colour.photometry.background import (
+    estimate_background,
+    to_grey,
+)
 from pawnb.core.pixels.grey import has_colour
 
 SIZE = (120, 60)

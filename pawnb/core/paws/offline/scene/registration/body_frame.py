@@ -10,10 +10,10 @@ import numpy as np
 
 from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.parameters import SceneParameters
-from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
-from pawnb.core.paws.offline.scene.following import follow_animal
-from pawnb.core.paws.offline.scene.foreground import Blob, find_blob
 from pawnb.core.paws.offline.scene.parameters import CAMERA
+from pawnb.core.paws.offline.scene.registration.camera_motion import find_camera_motion
+from pawnb.core.paws.offline.scene.registration.following import follow_animal
+from pawnb.core.paws.offline.scene.registration.foreground import Blob, find_blob
 
 
 @dataclass(frozen=True)

@@ -6,9 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.scene import camera_motion
-from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
 from pawnb.core.paws.offline.scene.parameters import CAMERA
+from pawnb.core.paws.offline.scene.registration import camera_motion
+from pawnb.core.paws.offline.scene.registration.camera_motion import find_camera_motion
 
 SIZE = (160, 120)
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.parameters import SceneParameters
-from pawnb.core.paws.offline.scene.body_frame import ViewBodyFrame, find_body_frame
+from pawnb.core.paws.offline.scene.registration.body_frame import ViewBodyFrame, find_body_frame
 
 N = 50
 AXES = (30, 13)
