@@ -7,7 +7,7 @@ kind again. What tracks points, or poses, is a :class:`~pawnb.core.paws.tracker.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from pawnb.core.video import ViewSet
@@ -54,7 +54,12 @@ class TrialKind(Protocol):
         """
 
     def propose(
-        self, trial: Trial, *, frames: Sequence[int] | None, progress: Progress | None
+        self,
+        trial: Trial,
+        *,
+        frames: Sequence[int] | None,
+        settings: Mapping[str, Any] | None,
+        progress: Progress | None,
     ) -> Any:
         """Find a start without a click, see :func:`pawnb.propose_start`.
 
@@ -64,6 +69,8 @@ class TrialKind(Protocol):
             The trial.
         frames : sequence of int or None
             Frames to look through.
+        settings : mapping or None
+            Parameters of the stage that looks.
         progress : callable or None
             ``progress(done, total)``.
 

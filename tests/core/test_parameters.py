@@ -81,12 +81,16 @@ def test_constants_are_those_that_the_modules_assign():
 
 
 CORE = Path(pawnb.core.__path__[0])
-ROOMS = (CORE / "paws" / "offline", CORE / "pose" / "fit", CORE / "pose" / "space")
-"""What the default trackers are made of."""
+PACKAGES = (
+    "paws.offline", "paws.maghsoudi2019", "paws.start_proposal",
+    "pose.fit", "pose.space", "pose.pullar2009", "pose.start_proposal",
+)  # fmt: skip
+ROOMS = tuple(CORE.joinpath(*package.split(".")) for package in PACKAGES)
+"""What the trackers are made of, and what finds their starts."""
 
 
 def modules():
-    """Yield the files of the default trackers that hold no parameters, and their code."""
+    """Yield the files of the trackers that hold no parameters, and their code."""
     for path in sorted(path for room in ROOMS for path in room.rglob("*.py")):
         if not path.name.endswith(("parameters.py", "settings.py")):
             yield path, ast.parse(path.read_text("utf-8"))
@@ -95,11 +99,7 @@ def modules():
 @pytest.mark.slow
 def test_a_named_number_beside_the_parameters_says_why_it_is_none():
     """Every other one is a parameter of its stage: ``pawnb.core.parameters.reasons_of``."""
-    found = [
-        reason
-        for package in ("paws.offline", "pose.fit", "pose.space")
-        for reason in reasons_of(f"pawnb.core.{package}")
-    ]
+    found = [reason for package in PACKAGES for reason in reasons_of(f"pawnb.core.{package}")]
     assert [one for one in found if one.kind not in REASONS] == []
     assert len(found) > 40
 
@@ -119,6 +119,11 @@ BARE = {
     "body_equations.py": ({5}, "unknowns of a part"),
     "paint_kernels.py": ({0.25, 0.75, 64}, "the parabolic kernel; bits of a segment's number"),
     "picture_kernels.py": ({6, 9}, "coordinates of two and of three joints"),
+    "places.py": ({1.5}, "middle of a band whose neighbour is the first"),
+    "body_fit.py": ({5}, "OpenCV's mask of its distance transform"),
+    "silhouette.py": ({5}, "OpenCV's mask of its distance transform"),
+    "leg_lengths.py": ({8}, "neighbours of a pixel"),
+    "likelihood.py": ({12}, "variance of rounding to whole numbers"),
 }
 """What else stands in function bodies, and what it is: nothing that could be chosen otherwise."""
 SHAPES = {
@@ -149,7 +154,7 @@ def bare_numbers(node):
 
 
 @pytest.mark.slow
-def test_no_function_of_the_default_trackers_holds_a_bare_tunable():
+def test_no_function_of_the_trackers_holds_a_bare_tunable():
     """Whoever has to choose a number gives it a name, a unit and evidence."""
     found = set()
     for path, code in modules():
@@ -179,6 +184,21 @@ def parameter_objects():
         yield from re.findall(r'^(\w+) = in_force\("(\w+)"', path.read_text("utf-8"), re.M)
 
 
+def with_aliases(code, objects):
+    """Return the names of parameters, and those that functions give them: ``p = STRIDE``."""
+    found = dict(objects)
+    for node in ast.walk(code):
+        if isinstance(node, ast.Assign):
+            for target in node.targets:
+                pairs = [(target, node.value)]
+                if isinstance(target, ast.Tuple) and isinstance(node.value, ast.Tuple):
+                    pairs = zip(target.elts, node.value.elts, strict=True)
+                for name, value in pairs:
+                    if getattr(value, "id", None) in objects and isinstance(name, ast.Name):
+                        found[name.id] = objects[value.id]
+    return found
+
+
 def reads(node, objects, *, called=False):
     """Yield whether a call reads a parameter or the import does, its object, and its name."""
     if isinstance(node, ast.Attribute) and getattr(node.value, "id", None) in objects:
@@ -197,13 +217,18 @@ def test_parameters_are_read_when_they_are_needed_and_none_is_idle():
     objects = dict(parameter_objects())
     assert set(objects.values()) == {stage for _, stage in EVERY}
     code = {path: ast.parse(path.read_text("utf-8")) for path in CORE.rglob("*.py")}
-    found = {(path.name, *read) for path, one in code.items() for read in reads(one, objects)}
+    found = {
+        (path.name, called, known[name], attribute)
+        for path, one in code.items()
+        for known in [with_aliases(one, objects)]
+        for called, name, attribute in reads(one, known)
+    }
     attributes = {
         path: {node.attr for node in ast.walk(one) if isinstance(node, ast.Attribute)}
         for path, one in code.items()
     }
     assert {read for read in found if not read[1]} == set()
-    by_name = {(objects[name], attribute) for _, _, name, attribute in found}
+    by_name = {(stage, attribute) for _, _, stage, attribute in found}
     # some are handed on whole, as :func:`parameters_in_force` and :class:`MHTParameters` have them
     anywhere = {name for names in attributes.values() for name in names}
     by_name |= {(stage, name) for stage in HANDED_ON for name in anywhere}

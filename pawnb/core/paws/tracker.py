@@ -22,6 +22,7 @@ from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import track_offline
 from pawnb.core.paws.request import TrackingRequest
+from pawnb.core.paws.start_proposal import parameters as _proposal_stage  # noqa: F401  (is set)
 from pawnb.core.pose.tracker import POSE_TRACKERS
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks
@@ -191,9 +192,9 @@ class OfflineTracker:
         "colour", "movement", "network_flow", "stride", "gap_closing", "smoothing", "landmarks",
         "treadmill", "scene", "motion", "correlation", "appearance", "association", "identity",
         "registration", "data_association", "learnt_detection", "predictions", "quality",
-        "quality_limits", "run",
+        "quality_limits", "run", "paw_proposal",
     )  # fmt: skip
-    packages: tuple[str, ...] = ("pawnb.core.paws.offline",)
+    packages: tuple[str, ...] = ("pawnb.core.paws.offline", "pawnb.core.paws.start_proposal")
 
     def track(
         self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
@@ -236,8 +237,11 @@ class Maghsoudi2019Tracker:
     settings: type[Maghsoudi2019Settings] = Maghsoudi2019Settings
     is_offline: bool = False
     is_of_first_view: bool = False
-    stages: tuple[str, ...] = ()
-    packages: tuple[str, ...] = ("pawnb.core.paws.maghsoudi2019",)
+    stages: tuple[str, ...] = ("maghsoudi2019", "paw_proposal")
+    packages: tuple[str, ...] = (
+        "pawnb.core.paws.maghsoudi2019",
+        "pawnb.core.paws.start_proposal",
+    )
 
     def track(
         self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,

@@ -15,6 +15,7 @@ from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.pose.pullar2009.tracker import track_pullar2009
+from pawnb.core.pose.start_proposal import parameters as _proposal_stage  # noqa: F401  (is set)
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video import ViewSet
 
@@ -122,12 +123,18 @@ class PoseTracker:
 POSE_TRACKERS = (
     PoseTracker(
         "pawnb", PoseSettings, track_pose, is_offline=True,
-        stages=("fitting", "rendering", "candidates", "learning", "sequence", "space_fit"),
-        packages=("pawnb.core.pose.fit", "pawnb.core.pose.space"),
+        stages=(
+            "fitting", "rendering", "candidates", "learning", "sequence", "space_fit",
+            "pose_proposal",
+        ),
+        packages=("pawnb.core.pose.fit", "pawnb.core.pose.space", "pawnb.core.pose.start_proposal"),
     ),
     PoseTracker(
-        "paper", Pullar2009Settings, track_pullar2009, is_offline=False, stages=("space_fit",),
-        packages=("pawnb.core.pose.pullar2009", "pawnb.core.pose.space"),
+        "paper", Pullar2009Settings, track_pullar2009, is_offline=False,
+        stages=("pullar2009", "space_fit", "pose_proposal"),
+        packages=(
+            "pawnb.core.pose.pullar2009", "pawnb.core.pose.space", "pawnb.core.pose.start_proposal",
+        ),
     ),
 )  # fmt: skip
 """The trackers of jointed animals; the first is the default."""

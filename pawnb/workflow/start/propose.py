@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pandas as pd
 
+from pawnb.core.parameters import parameters_of, parameters_set
 from pawnb.core.paws.start_proposal.proposal import find_paws
 from pawnb.core.rig import load_rig
 from pawnb.core.video import ViewSet, open_views
@@ -16,6 +17,7 @@ from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, given_or_bar
 from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure_table
+from pawnb.workflow.tracking.methods import stage_parameters
 
 EVERY = 5
 """Frames are looked through in steps of so many."""
@@ -45,12 +47,15 @@ class StartProposal(Proposed):
         point, sure (0 to 1), words: how sure each point is.
     notes : tuple of str
         What a person should know besides.
+    parameters : mapping
+        The values of the stage ``paw_proposal`` that it was made with.
     """
 
     frame: int
     start: pd.DataFrame
     points: pd.DataFrame
     notes: tuple[str, ...] = ()
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
     what: ClassVar[str] = "start"
 
@@ -64,6 +69,7 @@ def propose_paws(
     trial: Trial | str | Path,
     *,
     frames: Sequence[int] | None = None,
+    settings: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> StartProposal:
     """Find the paws of a running mouse without clicks, in a frame where they are well seen.
@@ -75,6 +81,8 @@ def propose_paws(
         and two or more see the same side of the animal, or all of it.
     frames : sequence of int, optional
         Frames to look through; default every fifth of the trial, at most 60 spread over it.
+    settings : mapping, optional
+        ``paw_proposal.NAME`` to values, which go before the trial's ``[tracking.paw_proposal]``.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
 
@@ -93,7 +101,7 @@ def propose_paws(
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
     with open_views(trial) as views:
-        return propose_in_views(trial, views, frames=frames, progress=progress)
+        return propose_in_views(trial, views, frames=frames, settings=settings, progress=progress)
 
 
 def propose_in_views(
@@ -101,6 +109,7 @@ def propose_in_views(
     views: ViewSet,
     *,
     frames: Sequence[int] | None = None,
+    settings: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> StartProposal:
     """Find the paws in views that are open already; see :func:`propose_paws`.
@@ -111,7 +120,7 @@ def propose_in_views(
         The trial.
     views : ViewSet
         Its open views.
-    frames, progress
+    frames, settings, progress
         As for :func:`propose_paws`.
 
     Returns
@@ -140,8 +149,10 @@ def propose_in_views(
     # landmarks are left to be clicked; where there is nothing else the error names one
     wanted = {name: points for name, points in wanted.items() if points} or named
     asked = sorted({int(frame) for frame in frames})
-    with given_or_bar(progress, "looking for paws") as report:
+    own = stage_parameters(trial, settings=settings)
+    with given_or_bar(progress, "looking for paws") as report, parameters_set(own):
         found = find_paws(views, rig, points_by_view=wanted, frames=asked, progress=report)
+        parameters = parameters_of(["paw_proposal"])["paw_proposal"]
     points = sure_table("point", {p: round(found.sure[p], 3) for p in PAWS if p in found.sure})
     views_in_order = list(wanted)
     start = found.start.sort_values(
@@ -152,4 +163,4 @@ def propose_in_views(
         ignore_index=True,
     )
     notes = () if found.sides_known else (SIDES_UNKNOWN,)
-    return StartProposal(found.frame, start, points, notes)
+    return StartProposal(found.frame, start, points, notes, parameters)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pandas as pd
 
+from pawnb.core.parameters import parameters_of, parameters_set
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_table import write_start
@@ -20,6 +21,7 @@ from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, given_or_bar
 from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure_table
+from pawnb.workflow.tracking.methods import stage_parameters
 
 
 @dataclass(frozen=True)
@@ -36,12 +38,15 @@ class PoseStart(Proposed):
         leg, sure (0 to 1), words: how sure each leg is.
     notes : tuple of str
         What a person should know, in sentences.
+    parameters : mapping
+        The values of the stage ``pose_proposal`` that it was made with.
     """
 
     animal: StickAnimal
     pose: Poses
     legs: pd.DataFrame
     notes: tuple[str, ...]
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
     what: ClassVar[str] = "start pose"
 
@@ -105,6 +110,7 @@ def propose_pose_start(
     trial: Trial | str | Path,
     *,
     frames: Sequence[int] | None = None,
+    settings: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> PoseStart:
     """Find the pose of a jointed animal without clicks, in a frame where it is well seen.
@@ -116,6 +122,8 @@ def propose_pose_start(
     frames : sequence of int, optional
         Frames that may be looked through; default all: 40 spread over them are, and 40 more
         where a leg is in doubt.
+    settings : mapping, optional
+        ``pose_proposal.NAME`` to values, which go before the trial's ``[tracking.pose_proposal]``.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
 
@@ -134,7 +142,7 @@ def propose_pose_start(
     with open_views(trial) as views:
         background = trial_background(trial, views)
         return propose_pose_in_views(
-            trial, views, background=background, frames=frames, progress=progress
+            trial, views, background=background, frames=frames, settings=settings, progress=progress
         )
 
 
@@ -144,6 +152,7 @@ def propose_pose_in_views(
     *,
     background: Background,
     frames: Sequence[int] | None = None,
+    settings: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> PoseStart:
     """Find the pose in views that are open already; see :func:`propose_pose_start`.
@@ -156,7 +165,7 @@ def propose_pose_in_views(
         Its open views.
     background : Background
         Their empty scene.
-    frames, progress
+    frames, settings, progress
         As for :func:`propose_pose_start`.
 
     Returns
@@ -177,7 +186,9 @@ def propose_pose_in_views(
         "px_per_unit": known.px_per_unit if known and known.unit == animal.unit else None,
     }
     one = OneView(views, pose_view(trial))
-    with given_or_bar(progress, "looking for the animal") as report:
+    own = stage_parameters(trial, settings=settings)
+    with given_or_bar(progress, "looking for the animal") as report, parameters_set(own):
         found = propose_pose(one, animal, background, progress=report, **about)
+        parameters = parameters_of(["pose_proposal"])["pose_proposal"]
     legs = sure_table("leg", found.sure)
-    return PoseStart(animal, found.pose, legs, found.notes)
+    return PoseStart(animal, found.pose, legs, found.notes, parameters)

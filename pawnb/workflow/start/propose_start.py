@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.kinds import kind_of
@@ -16,6 +17,7 @@ def propose_start(
     trial: Trial | str | Path,
     *,
     frames: Sequence[int] | None = None,
+    settings: Mapping[str, Any] | None = None,
     progress: Progress | None = None,
 ) -> StartProposal | PoseStart:
     """Find where tracking may start without clicks: paws, or the pose of a jointed animal.
@@ -26,6 +28,9 @@ def propose_start(
         The trial, its ``trial.toml``, or the folder that holds it.
     frames : sequence of int, optional
         Frames to look through; default some spread over the trial.
+    settings : mapping, optional
+        Parameters of the stage ``paw_proposal`` or ``pose_proposal`` that go before the trial's
+        ``[tracking]``: ``paw_proposal.NAME`` to values.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
 
@@ -48,4 +53,4 @@ def propose_start(
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
-    return kind_of(trial).propose(trial, frames=frames, progress=progress)
+    return kind_of(trial).propose(trial, frames=frames, settings=settings, progress=progress)

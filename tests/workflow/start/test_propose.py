@@ -143,3 +143,12 @@ def test_paws_of_a_real_mouse_that_are_not_found_are_not_proposed(real_data):
     """One of four paws was called sure there, and was that of the other side."""
     with pytest.raises(InputError, match="click the points instead"):
         pawnb.propose_start(real_data("real-clips") / "mouse_wheel_two_views", progress=silent)
+
+
+def test_parameters_are_set_by_the_caller_and_recorded(proposal, rendered_trial):
+    assert proposal.parameters["found"] == 0.1
+    # no paw is surer than 1, so that none is sure enough
+    with pytest.raises(InputError, match="no frame shows the paws so clearly"):
+        pawnb.propose_start(rendered_trial, settings={"paw_proposal.found": 1.5}, progress=silent)
+    with pytest.raises(InputError, match="paw_proposal: unknown name 'find'"):
+        pawnb.propose_start(rendered_trial, settings={"paw_proposal.find": 1}, progress=silent)

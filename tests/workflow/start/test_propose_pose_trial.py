@@ -1,5 +1,7 @@
 """A proposed start pose and the grid's scale of a rendered spider."""
 
+import dataclasses
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,6 +11,7 @@ from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.poses import tip_positions
 from pawnb.errors import InputError
 from pawnb.synthetic import render_spider_trial
+from pawnb.trial import load_trial
 from pawnb.workflow.calibration.scale import find_grid_scale
 from pawnb.workflow.start.propose_pose import PoseStart
 
@@ -69,3 +72,12 @@ def test_the_grid_of_the_rendered_panel(spider):
     # 4.84 px per mm at full size (section 4.1 of the thesis: 0.557 px = 0.023 cm at half of it)
     found = find_grid_scale(spider, spacing=10.0)
     assert found.px_per_unit == pytest.approx(2.42, rel=5e-3)
+
+
+def test_parameters_are_those_of_the_trial_and_recorded(proposal, spider):
+    assert proposal.parameters["noise_sds"] == 4.0
+    trial = load_trial(spider)
+    # nothing is so far from the background: grey values end at 255
+    trial = dataclasses.replace(trial, tracking={"pose_proposal": {"noise_sds": 1000.0}})
+    with pytest.raises(InputError, match="no animal was found whole"):
+        pawnb.propose_start(trial, progress=silent)

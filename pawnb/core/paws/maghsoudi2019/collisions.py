@@ -46,39 +46,9 @@ from pawnb.core.paws.maghsoudi2019.collision_flags import (
     find_pairs,
     weights_in_collision,
 )
+from pawnb.core.paws.maghsoudi2019.parameters import MAGHSOUDI2019
 from pawnb.core.paws.maghsoudi2019.template import StrideTemplate
 from pawnb.core.paws.maghsoudi2019.template_fit import TemplateFit, fit_template
-
-# Shares of Collision_Threshold. In rendered scenes 99 % of the superpixels that are on a
-# front paw are within 0.33 of it from the filter's prediction, and those taken when the
-# paw has just been hidden are 0.9 from it in the median.
-_STEP = 0.4
-"""A front paw is nearer than this to where the filter has it."""
-
-_FOUND_AGAIN = 0.5
-"""A lost paw is found again nearer than this to where the template has it."""
-
-_ASTRAY = 0.7
-"""A front paw is nearer than this to where the template has it, found or lost."""
-
-_SAME = 1 / 6
-"""Two paws found nearer than this to each other are one: about a superpixel."""
-
-_WRONG_FIT = 0.3
-"""A fit that misses a paw by more than this at the beginning is given up."""
-
-_BEGINNING_FRAMES = 5
-"""Frames after a collision began in which its fit may still be given up."""
-
-# Shares of a stride of the template.
-_HELD = 0.2
-"""The flag is held for so long after the paws have parted."""
-
-_LOST = 0.5
-"""A paw that is not found for longer is no longer predicted by the template."""
-
-_KEPT_STRIDES = 3
-"""Strides of history that are kept for a fit, which uses the last one of them."""
 
 
 class Collisions:
@@ -107,7 +77,7 @@ class Collisions:
         self._now = 0
         longest = max(kind.period_s for kind in template.kinds.values())
         self._stride_frames = max(round(longest * fps), 1)
-        self._kept = _KEPT_STRIDES * self._stride_frames
+        self._kept = MAGHSOUDI2019.collision_history * self._stride_frames
         # view and front paw: until when a jump may follow from a collision, and how many did
         self._watch: dict[tuple[int, int], int] = {}
         self._undone: dict[tuple[int, int], int] = {}
@@ -183,9 +153,11 @@ class Collisions:
         front = self.layout.kinds[point] == "front"
         if front or lost:
             step = np.linalg.norm(places - centres[key], axis=-1)
-            near &= step <= limit * (_FOUND_AGAIN if lost else _STEP)
+            p = MAGHSOUDI2019
+            near &= step <= limit * (p.collision_found_again if lost else p.collision_step)
         if front:
-            near &= np.linalg.norm(places - self._expected[key], axis=-1) <= limit * _ASTRAY
+            astray = limit * MAGHSOUDI2019.collision_astray
+            near &= np.linalg.norm(places - self._expected[key], axis=-1) <= astray
         return near
 
     def _is_of(
@@ -198,7 +170,7 @@ class Collisions:
         own: FloatArray,
     ) -> BoolArray:
         """Tell which places another paw was found at, nearer to where it was to be."""
-        limit = self.layout.lengths[other[0]].collision * _SAME
+        limit = self.layout.lengths[other[0]].collision * MAGHSOUDI2019.collision_same
         same = np.linalg.norm(places - uv[other], axis=-1) <= limit
         theirs = np.linalg.norm(uv[other] - centres[other])
         return np.asarray(same & (np.linalg.norm(places - own, axis=-1) >= theirs))
@@ -328,19 +300,20 @@ class Collisions:
             if not near:
                 del self.flags[pair]
             return
-        view = pair[0]
+        view, p = pair[0], MAGHSOUDI2019
         limit = self.layout.lengths[view].collision
         for point, since in list(flag.lost.items()):
-            if self._now - since > _LOST * self._stride_frames:
+            if self._now - since > p.collision_lost * self._stride_frames:
                 del flag.lost[point]
                 flag.fits.pop(point, None)
         flag.parted = 0 if near or flag.lost else flag.parted + 1
-        wrong = self._now - flag.since <= _BEGINNING_FRAMES and any(
-            np.linalg.norm(self._expected[view, point] - uv[view, point]) > _WRONG_FIT * limit
+        wrong = self._now - flag.since <= p.collision_beginning and any(
+            np.linalg.norm(self._expected[view, point] - uv[view, point])
+            > p.collision_wrong_fit * limit
             for point in flag.fits
             if point not in flag.lost and (view, point) in self._expected
         )
-        if wrong or not flag.fits or flag.parted > _HELD * self._stride_frames:
+        if wrong or not flag.fits or flag.parted > p.collision_held * self._stride_frames:
             del self.flags[pair]
 
     def reset(self, key: tuple[int, int], place: FloatArray) -> None:
@@ -361,7 +334,8 @@ class Collisions:
         lengths = self.layout.lengths[view]
         if self._history:
             step = np.abs(self._history[-1][key] - place)
-            if not (step <= [lengths.half_u / 2, lengths.half_v / 2]).all():
+            most = MAGHSOUDI2019.slow_step
+            if not (step <= [lengths.half_u * most, lengths.half_v * most]).all():
                 for uv in self._history:
                     uv[key] = np.nan
         for pair in [p for p in self.flags if p[0] == view and point in p[1:]]:

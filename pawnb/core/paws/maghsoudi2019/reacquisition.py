@@ -17,6 +17,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.paws.layout import Layout
+from pawnb.core.paws.maghsoudi2019.parameters import MAGHSOUDI2019
 from pawnb.core.paws.superpixels import (
     FramePixels,
     Look,
@@ -27,9 +28,6 @@ from pawnb.core.paws.superpixels import (
     place_window,
 )
 from pawnb.core.rig import Rig
-
-_ON_THE_LINE = 16
-"""Number of positions along a line of sight that are tried."""
 
 
 def find_hidden(
@@ -80,7 +78,8 @@ def find_hidden(
     others = others[np.isfinite(others[:, 0])]
     apart = np.linalg.norm(superpixels.uv[:, None] - others, axis=-1).min(axis=1, initial=np.inf)
     limit = layout.settings.hidden_difference
-    fits = (away <= lengths.hidden_distance) & (difference <= limit) & (apart > lengths.half_v / 2)
+    fits = (away <= lengths.hidden_distance) & (difference <= limit)
+    fits &= apart > lengths.half_v * MAGHSOUDI2019.search_apart
     if not fits.any():
         return None
     number = int(np.argmin(np.where(fits, difference, np.inf)))
@@ -102,7 +101,7 @@ def _expected_path(rig: Rig, key: tuple[int, int], uv: Points2D) -> FloatArray:
     if len(others) < 2:
         return none
     ends = _line_of_sight(rig.coefs[:, seen[0]], uv[seen[0], point], others)
-    share = np.linspace(0.0, 1.0, _ON_THE_LINE)[:, None]
+    share = np.linspace(0.0, 1.0, MAGHSOUDI2019.search_positions)[:, None]
     return rig.project(ends[0] + share * (ends[1] - ends[0]))[:, view]
 
 

@@ -21,9 +21,10 @@ from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 
 _FOUND = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
+"""Definition: origins of positions that a picture shows, or a person."""
 
 _FOLLOWED_FRAMES = 50
-"""The filter forgets: what is older than this moves a state by less than rounding does."""
+"""Numerics: the filter forgets; what is older moves a state by less than rounding does."""
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.maghsoudi2019.collisions import Collisions
 from pawnb.core.paws.maghsoudi2019.frame_result import Detection, FrameResult
 from pawnb.core.paws.maghsoudi2019.fusion import best_superpixels, compute_features, fuse, normalise
+from pawnb.core.paws.maghsoudi2019.parameters import MAGHSOUDI2019
 from pawnb.core.paws.maghsoudi2019.reacquisition import find_hidden
 from pawnb.core.paws.superpixels import (
     FramePixels,
@@ -31,6 +32,9 @@ from pawnb.schema import ORIGIN_CODE
 _MISSING, _MEASURED, _PREDICTED, _RESOLVED = (
     ORIGIN_CODE[name] for name in ("missing", "measured", "predicted", "resolved")
 )
+"""Layout: codes of origins."""
+_STEP_OF_JACOBIAN = 1e-3
+"""Numerics: step of the differences that stand for derivatives, in the largest coordinate."""
 
 
 class Run:
@@ -342,7 +346,8 @@ class Run:
         That is about what the paper gives as the most between two frames (30 px and 15 px
         in sub-images of ± 70 and ± 40 px). A larger step is a correction, no velocity.
         """
-        limit = np.array([[x.half_u, x.half_v] for x in self.layout.lengths]) / 2.0
+        limit = np.array([[x.half_u, x.half_v] for x in self.layout.lengths], dtype=float)
+        limit *= MAGHSOUDI2019.slow_step
         step = np.abs(uv - self.last_uv)
         return (step <= limit[:, None, :]).all(axis=-1), np.isfinite(step).all(axis=-1)
 
@@ -354,7 +359,7 @@ class Run:
         if rig is None or len(seen) != 1 or not np.isfinite(predicted).all():
             return np.full(3, np.nan)
         view = int(seen[0])
-        step = 1e-3 * max(float(np.abs(predicted).max()), 1.0)
+        step = _STEP_OF_JACOBIAN * max(float(np.abs(predicted).max()), 1.0)
         around = rig.project(np.vstack([predicted, predicted + step * np.eye(3)]))[:, view]
         jacobian = (around[1:] - around[0]).T / step
         return np.asarray(predicted + np.linalg.pinv(jacobian) @ (uv[view] - around[0]))

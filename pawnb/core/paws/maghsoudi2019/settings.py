@@ -10,9 +10,10 @@ from pawnb.errors import InputError
 from pawnb.schema import check_ranges
 
 REFERENCE_WIDTH_PX = 2048
-"""Width of the paper's pictures, for which the lengths in px are given."""
+"""Definition: width of the paper's pictures, for which the lengths in px are given."""
 
 N_FEATURES = 8
+"""Definition: the features of Eq. 3."""
 
 PUBLISHED_NAMES = {
     "NumSLIC": "n_superpixels",

@@ -20,6 +20,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from pawnb.arrays import BoolArray, FloatArray, Points2D
+from pawnb.core.paws.maghsoudi2019.parameters import MAGHSOUDI2019
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.errors import InputError
 from pawnb.files import read_text
 from pawnb.io.tables import write_text
@@ -35,14 +37,12 @@ DEFAULT_TEMPLATE = Path(__file__).with_name("stride_template.json")
 
 KINDS = ("front", "hind")
 N_POINTS = 50
-"""Phases of a stored stride: one a frame of a stride of 5 Hz at 250 frames per second."""
+"""Layout: phases of a stored stride, one a frame of a stride of 5 Hz at 250 frames per second."""
 _FORMAT = "pawnb stride template 1"
-_MOST_DIFFERENT_PERIOD = 1.5
-"""A stride this many times longer or shorter than the median is none, or two."""
-_GAP_FRAMES = 5
-"""Gaps up to this long are bridged: 20 ms at 250 frames per second."""
-_SUREST = 0.1
-"""A position whose standard deviation is above this share of the paw's range is not known."""
+_DECIMALS = 5
+"""Layout: of numbers in the file."""
+_MOST_BYTES = 2**24
+"""Guard: a larger file is no template."""
 
 
 @dataclass(frozen=True)
@@ -104,10 +104,10 @@ class StrideTemplate:
         """Write the template as JSON, whole or not at all."""
         document: dict[str, Any] = {"format": _FORMAT}
         for kind, own in self.kinds.items():
-            u, v = np.round(own.uv, 5).T.tolist()
+            u, v = np.round(own.uv, _DECIMALS).T.tolist()
             document[kind] = {
                 "n_strides": own.n_strides,
-                "period_s": round(own.period_s, 5),
+                "period_s": round(own.period_s, _DECIMALS),
                 "u": u,
                 "v": v,
             }
@@ -120,7 +120,7 @@ def cut_strides(
     points: Mapping[str, str],
     facing: Mapping[str, int],
     points_by_view: Mapping[str, Iterable[str]] | None = None,
-    cutoff_hz: float = 30.0,
+    cutoff_hz: float = Maghsoudi2019Settings.template_cutoff_hz,
     n_points: int = N_POINTS,
 ) -> dict[str, Strides]:
     """Cut tracked paws into strides in the pictures, from one anterior extreme to the next.
@@ -145,7 +145,7 @@ def cut_strides(
     -------
     dict
         ``"front"`` and ``"hind"`` to their strides. A stride is used where the paw's place was
-        known throughout, and lasted no more than 1.5 times longer or shorter than the median.
+        known throughout, and lasted about as long as the median.
         A front paw is hidden in every stride: its place is known there from space, and from
         tracks that bridge what is hidden and say how surely (``sd``); what a filter or a
         template alone predicted is not.
@@ -195,19 +195,20 @@ def _is_sure(own: Tracks) -> BoolArray:
     there = np.isfinite(xyz).all(axis=1)
     if not there.any():
         return there
-    extent = np.subtract(*np.percentile(xyz[there], [95, 5], axis=0)).max()
-    return np.asarray(np.linalg.norm(sd, axis=1) <= _SUREST * extent)
+    low, high = np.percentile(xyz[there], MAGHSOUDI2019.template_extent, axis=0)
+    extent = (high - low).max()
+    return np.asarray(np.linalg.norm(sd, axis=1) <= MAGHSOUDI2019.template_surest * extent)
 
 
 def lowpass_path(uv: Points2D, *, cutoff_hz: float, fps: float) -> FloatArray:
-    """Low-pass a path, bridging gaps of 5 frames; a slow recording limits the cut-off.
+    """Low-pass a path, bridging short gaps; a slow recording limits the cut-off.
 
     Parameters
     ----------
     uv : ndarray, shape (n, 2)
         Positions, px; NaN where there is none.
     cutoff_hz : float
-        Cut-off, Hz; at most 0.36 of the frame rate.
+        Cut-off, Hz; at most a share of the frame rate.
     fps : float
         Frames per second.
 
@@ -217,8 +218,9 @@ def lowpass_path(uv: Points2D, *, cutoff_hz: float, fps: float) -> FloatArray:
         The path, px.
     """
     return butterworth_lowpass(
-        uv, cutoff_hz=min(cutoff_hz, 0.36 * fps), fs_hz=fps, max_gap=_GAP_FRAMES
-    )
+        uv, cutoff_hz=min(cutoff_hz, MAGHSOUDI2019.cutoff_of_rate * fps), fs_hz=fps,
+        max_gap=MAGHSOUDI2019.template_gap,
+    )  # fmt: skip
 
 
 def _closed_strides(uv: Points2D, n_points: int, fps: float) -> list[tuple[np.ndarray, float]]:
@@ -227,7 +229,8 @@ def _closed_strides(uv: Points2D, n_points: int, fps: float) -> list[tuple[np.nd
     known = uv[np.isfinite(uv[:, 0]), 0]
     if len(known) < 3:
         return strides
-    excursion = 0.4 * float(np.subtract(*np.percentile(known, [95, 5])))
+    low, high = np.percentile(known, MAGHSOUDI2019.template_extent)
+    excursion = MAGHSOUDI2019.template_excursion * float(high - low)
     if not excursion > 0:
         return strides
     turns = find_turns(uv[:, 0], min_excursion=excursion)
@@ -275,7 +278,8 @@ def average_strides(strides: Iterable[Mapping[str, Strides]]) -> StrideTemplate:
                 "in a view in which the direction of travel is known."
             )
         ratio = period / np.median(period)
-        usual = (ratio < _MOST_DIFFERENT_PERIOD) & (ratio > 1.0 / _MOST_DIFFERENT_PERIOD)
+        odd = MAGHSOUDI2019.template_odd_stride
+        usual = (ratio < odd) & (ratio > 1.0 / odd)
         mean = uv[usual].mean(axis=0)
         kinds[kind] = KindTemplate(
             mean - midpoint(mean), float(period[usual].mean()), int(usual.sum())
@@ -304,7 +308,7 @@ def load_template(path: str | Path = DEFAULT_TEMPLATE) -> StrideTemplate:
     """
     path = Path(path)
     try:
-        document = json.loads(read_text(path, expected="a stride template", most_bytes=2**24))
+        document = json.loads(read_text(path, expected="a stride template", most_bytes=_MOST_BYTES))
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise

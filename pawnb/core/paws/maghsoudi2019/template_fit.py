@@ -13,14 +13,19 @@ import numpy as np
 from scipy.optimize import minimize
 
 from pawnb.arrays import FloatArray, Points2D
+from pawnb.core.paws.maghsoudi2019.parameters import MAGHSOUDI2019
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import KindTemplate, lowpass_path, midpoint
 from pawnb.signals import find_runs
 
-_TRIED_FREQUENCIES = np.geomspace(0.5, 2.0, 17)
-_TRIED_SHIFTS = 60
-"""Shifts of the circular correlation: 6 degrees of a stride apart."""
-_JOINED_FRAMES = 5
-"""The fitted stride is laid through the mean of so many frames before the collision."""
+_UNKNOWNS = 4
+"""Mathematics: shift, frequency, amplitude and offset; fewer positions cannot tell them."""
+_SIMPLEX = (1.05, 1.1, 1.0)
+"""Numerics: first steps of the search, factors of frequency and amplitude, and frames."""
+_CLOSE_ENOUGH = 1e-3
+"""Numerics: the search ends where frames and squared px change by less, the latter a frame."""
+_MOST_STEPS = 200
+"""Resource: of the search."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +74,8 @@ def fit_template(
     *,
     facing: int,
     fps: float,
-    cutoff_hz: float = 30.0,
-    least_frames: int = 20,
+    cutoff_hz: float = Maghsoudi2019Settings.template_cutoff_hz,
+    least_frames: int = Maghsoudi2019Settings.start_frame_collision,
 ) -> TemplateFit | None:
     """Fit shift, frequency and amplitude of a template to the last stride of a paw (Eq. 7-9).
 
@@ -82,7 +87,7 @@ def fit_template(
     a part of a stride would otherwise be drawn to where the template varies most.
     Eq. 8 is printed without its norm, and Eq. 9 with one for zeros added to short
     stretches; here the correlation runs over the frames that there are. Where the paper
-    leaves the place of the curve to the midpoints, this one goes on from the last five
+    leaves the place of the curve to the midpoints, this one goes on from the last
     frames: in rendered scenes the prediction is then a quarter nearer to the truth.
 
     Parameters
@@ -106,7 +111,7 @@ def fit_template(
         Frames are counted from the first of ``uv``. None where there are too few
         positions, or the paw hardly moved.
     """
-    least_frames = max(least_frames, 4)
+    least_frames = max(least_frames, _UNKNOWNS)
     smooth = lowpass_path(uv, cutoff_hz=cutoff_hz, fps=fps)
     span = _last_run(smooth, max(round(template.period_s * fps), least_frames), least_frames)
     if span is None:
@@ -135,7 +140,7 @@ def fit_template(
     f, a, tau = _least_squares(cost, start, n_frames=len(t))
     left = centred - a * path(f, tau)
     model = a * template.spline((t - tau) * f % 1.0) * [facing, 1.0]
-    offset = (smooth[first:last] - model)[-_JOINED_FRAMES:].mean(axis=0)
+    offset = (smooth[first:last] - model)[-MAGHSOUDI2019.fit_joined :].mean(axis=0)
     return TemplateFit(
         template=template,
         shift=tau,
@@ -160,17 +165,18 @@ def _last_run(smooth: FloatArray, length: int, least_frames: int) -> tuple[int, 
 def _least_squares(cost: Any, start: tuple[float, ...], *, n_frames: int) -> tuple[float, ...]:
     """Return frequency, amplitude and shift of the least cost; the start where they cannot be."""
     f, a, tau = start
+    faster, larger, later = _SIMPLEX
     solved = minimize(
         cost,
         np.array(start),
         method="Nelder-Mead",
         options={
             "initial_simplex": np.array(
-                [[f, a, tau], [1.05 * f, a, tau], [f, 1.1 * a, tau], [f, a, tau + 1.0]]
+                [[f, a, tau], [faster * f, a, tau], [f, larger * a, tau], [f, a, tau + later]]
             ),
-            "xatol": 1e-3,
-            "fatol": 1e-3 * n_frames,
-            "maxiter": 200,
+            "xatol": _CLOSE_ENOUGH,
+            "fatol": _CLOSE_ENOUGH * n_frames,
+            "maxiter": _MOST_STEPS,
         },
     )
     found = tuple(float(x) for x in solved.x)
@@ -180,8 +186,11 @@ def _least_squares(cost: Any, start: tuple[float, ...], *, n_frames: int) -> tup
 def _best_correlation(path: Any, centred: FloatArray, usual: float) -> tuple[float, ...] | None:
     """Find frequency, amplitude and shift with the largest circular correlation (Eq. 9)."""
     best, found = 0.0, None
-    for frequency in usual * _TRIED_FREQUENCIES:
-        shifts = np.arange(_TRIED_SHIFTS) / (_TRIED_SHIFTS * frequency)
+    n_shifts = MAGHSOUDI2019.fit_n_shifts
+    slowest, fastest = MAGHSOUDI2019.fit_frequencies
+    ratios = np.geomspace(slowest, fastest, MAGHSOUDI2019.fit_n_frequencies)
+    for frequency in usual * ratios:
+        shifts = np.arange(n_shifts) / (n_shifts * frequency)
         tried = path(frequency, shifts)
         energy = (tried**2).sum(axis=1)
         product = tried @ centred

@@ -16,27 +16,11 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import FloatArray, Points2D
+from pawnb.core.paws.start_proposal.parameters import PAW_PROPOSAL
 from pawnb.core.pixels.grey import has_colour
-
-PAW_SHARE = 0.02
-"""Length of a hind paw as a share of the picture's width: 40 of 2048 px in the 2019 rig."""
 
 Look = Literal["skin", "red", "light"]
 """What tells a paw from the rest."""
-
-MOST_BLOBS = 24
-"""Spots kept of one picture: four paws, and what else looks like one."""
-_SKIN = np.array([1.0, 1.0, 1.0])
-"""Skin differs from a grey or dark ground about as much in L* as in a* and in b*."""
-_NOISE = 1.0
-"""Standard deviation of the camera's noise in CIELAB: what varies by less tells nothing."""
-_TOP_HAT = 2.0
-"""Side of what is taken away as large, in paw lengths: a paw at any angle fits in it."""
-_STILL_WORTH = 0.1
-"""What a spot that never moves counts: it is left to choose from where nothing moves."""
-_EDGE = 0.25
-"""A paw's pixels are no less like a paw than its middle by more than this share of what
-lies between its middle and the least paw-like fifth around it: fur often lies half way."""
 
 
 @dataclass(frozen=True)
@@ -87,14 +71,14 @@ def paw_likeness(image: np.ndarray, paw_px: float, *, look: Look = "skin") -> np
 
 def _towards_skin(lab: np.ndarray) -> np.ndarray:
     """Return the direction in CIELAB along which skin stands out most from a picture."""
-    spread = np.cov(lab.reshape(-1, 3).T) + _NOISE**2 * np.eye(3)
-    towards = np.linalg.solve(spread, _SKIN)
+    spread = np.cov(lab.reshape(-1, 3).T) + PAW_PROPOSAL.colour_noise**2 * np.eye(3)
+    towards = np.linalg.solve(spread, np.array(PAW_PROPOSAL.skin))
     return np.asarray(towards / np.linalg.norm(towards))
 
 
 def _top_hat(image: np.ndarray, paw_px: float) -> np.ndarray:
     """Return by how much pixels exceed what is left when all that is small is taken away."""
-    size = max(3, round(_TOP_HAT * paw_px)) | 1
+    size = max(3, round(PAW_PROPOSAL.top_hat * paw_px)) | 1
     kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size, size))
     return np.asarray(cv2.morphologyEx(image, cv2.MORPH_TOPHAT, kernel))
 
@@ -103,7 +87,7 @@ def find_blobs(
     likeness: np.ndarray,
     paw_px: float,
     *,
-    most: int = MOST_BLOBS,
+    most: int | None = None,
     still: np.ndarray | None = None,
 ) -> Blobs:
     """Find the spots of paw size that stand out.
@@ -114,8 +98,8 @@ def find_blobs(
         As of :func:`paw_likeness`.
     paw_px : float
         Length of a hind paw, px.
-    most : int
-        How many spots are returned at most.
+    most : int, optional
+        How many spots are returned at most; default the parameter ``blobs_most``.
     still : ndarray, shape (H, W), optional
         How paw-like each place is most of the time. What a spot has of this hardly counts: it
         stays where it is, and the paws of a running animal do not.
@@ -124,23 +108,24 @@ def find_blobs(
     -------
     Blobs
         Local maxima of the smoothed likeness and its contrast with what is around, no two
-        nearer than a third of a paw.
+        nearer than the parameter ``blob_radius``.
     """
-    sigma = max(0.12 * paw_px, 0.8)
+    p = PAW_PROPOSAL
+    sigma = max(p.blob_blur * paw_px, p.blob_blur_px)
     smooth = cv2.GaussianBlur(likeness.astype(np.float32), (0, 0), sigma)
     stays = np.zeros(smooth.shape)
     if still is not None:
         usual = cv2.GaussianBlur(still.astype(np.float32), (0, 0), sigma)
         stays = np.clip(usual / np.maximum(smooth, 1e-6), 0.0, 1.0)
     smooth += _top_hat(smooth, paw_px)
-    scale = float(np.percentile(smooth, 99.9)) or 1.0
-    smooth = cv2.multiply(smooth, 1.0 - (1.0 - _STILL_WORTH) * stays, dtype=cv2.CV_32F)
-    radius = max(1, round(0.3 * paw_px))
+    scale = float(np.percentile(smooth, p.blob_percentile)) or 1.0
+    smooth = cv2.multiply(smooth, 1.0 - (1.0 - p.still_worth) * stays, dtype=cv2.CV_32F)
+    radius = max(1, round(p.blob_radius * paw_px))
     kernel = np.ones((2 * radius + 1, 2 * radius + 1), np.uint8)
     peaks = (smooth == cv2.dilate(smooth, kernel)) & (smooth > 0)
     rows, columns = np.nonzero(peaks)
     value = smooth[rows, columns]
-    order = np.argsort(-value, kind="stable")[:most]
+    order = np.argsort(-value, kind="stable")[: p.blobs_most if most is None else most]
     uv = np.stack([columns[order], rows[order]], axis=-1).astype(float)
     return Blobs(uv, np.asarray(np.clip(value[order] / scale, 0.0, 1.0), dtype=float))
 
@@ -174,14 +159,14 @@ def find_digits(
     v1 = min(int(np.ceil(uv[1] + reach_px)) + 1, height)
     if u0 >= u1 or v0 >= v1:
         return uv
-    part = likeness[v0:v1, u0:u1].astype(np.float32)
-    window = cv2.GaussianBlur(part, (0, 0), max(0.1 * pad_px, 0.5))
+    part, p = likeness[v0:v1, u0:u1].astype(np.float32), PAW_PROPOSAL
+    window = cv2.GaussianBlur(part, (0, 0), max(p.digits_blur * pad_px, p.digits_blur_px))
     column, row = round(float(uv[0])) - int(u0), round(float(uv[1])) - int(v0)
     near = window[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
     if near.size == 0:
         return uv
-    peak, ground = float(near.max()), float(np.percentile(window, 20.0))
-    mask = (window > peak - _EDGE * (peak - ground)).astype(np.uint8)
+    peak, ground = float(near.max()), float(np.percentile(window, p.digits_ground))
+    mask = (window > peak - p.digits_edge * (peak - ground)).astype(np.uint8)
     _, labels = cv2.connectedComponents(mask)
     here = labels[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
     own = labels == np.bincount(here.ravel(), minlength=2)[1:].argmax() + 1
@@ -191,7 +176,7 @@ def find_digits(
     if len(place) == 0:
         return uv
     along = place @ direction
-    tip = float(np.percentile(along, 98.0))
+    tip = float(np.percentile(along, p.digits_tip))
     return np.asarray(place[along >= tip - pad_px].mean(axis=0))
 
 

@@ -13,21 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import FloatArray
+from pawnb.core.paws.start_proposal.parameters import PAW_PROPOSAL
 from pawnb.core.paws.start_proposal.places import CandidatePlaces, Stage
 from pawnb.core.rig import Rig
-
-_ABOVE_SD, _BELOW_SD = 0.2, 0.06
-_ALONG_SD, _APART, _CLEAR, _SAME = 0.6, 0.22, 0.25, 0.15
-_ASIDE, _ASIDE_SD = 0.3, 0.25
-"""All of these are in spans, so that no length has to be known: standard deviations of the
-height above and below the ground, and of the place along forward and to the side; the least
-distances of paws."""
-RESIDUAL_SD = 0.1
-"""Usual disagreement of views about a paw, in paw lengths."""
-_IN_LINE = 0.5
-"""Paws nearer to each other in a view, in paw lengths, may be taken for one another."""
-_ONE_VIEW = 0.6
-"""A place that one view sees is so much less sure."""
 
 
 @dataclass(frozen=True)
@@ -135,10 +123,12 @@ def _best_pair(
     apart = (along[:, None] - along[None]) / stage.span
     both = np.minimum(scores[True][:, None], scores[False][None])
     # paws that touch each other hide each other
-    clear = np.where(apart < _APART, 0.0, 1.0 - np.exp(-0.5 * (apart / _CLEAR) ** 2))
+    p = PAW_PROPOSAL
+    far = 1.0 - np.exp(-0.5 * (apart / p.pair_clear) ** 2)
+    clear = np.where(apart < p.pair_apart, 0.0, far)
     both = both * clear
     # of two equal pairs, the one whose better paw is better
-    total = both + 1e-3 * (scores[True][:, None] + scores[False][None]) * (both > 0)
+    total = both + p.pair_better * (scores[True][:, None] + scores[False][None]) * (both > 0)
     if not total.size or total.max() <= 0:
         return {}, 0.0
     at = np.unravel_index(int(total.argmax()), total.shape)
@@ -155,7 +145,7 @@ def _not_mistaken(
                  if other.point != paw.point and sure > score]  # fmt: skip
         apart = [geometry.apart(paw.group, xyz, at) for at in surer]
         nearest = min(apart, default=np.inf)
-        kept[paw] = (xyz, score * float(1.0 - np.exp(-0.5 * (nearest / _IN_LINE) ** 2)))
+        kept[paw] = (xyz, score * float(1.0 - np.exp(-0.5 * (nearest / PAW_PROPOSAL.in_line) ** 2)))
     return kept
 
 
@@ -166,7 +156,8 @@ def _each_its_own(
     kept: dict[Paw, tuple[np.ndarray, float]] = {}
     for paw, (xyz, score) in sorted(chosen.items(), key=lambda item: -item[1][1]):
         others = [place for other, (place, _) in kept.items() if other.point != paw.point]
-        if all(np.linalg.norm(xyz - place) >= _SAME * stage.span for place in others):
+        least = PAW_PROPOSAL.same_place * stage.span
+        if all(np.linalg.norm(xyz - place) >= least for place in others):
             kept[paw] = (xyz, score)
     return kept
 
@@ -174,16 +165,16 @@ def _each_its_own(
 def _rate(places: CandidatePlaces, stage: Stage, side: int, is_front: bool) -> FloatArray:
     """Return how well each place fits a paw, 0 to 1."""
     along, aside, height = (places.xyz @ stage.axes.T).T
-    span = stage.span
+    span, p = stage.span, PAW_PROPOSAL
     above = (height - stage.ground) / span
-    fits = np.exp(-0.5 * (above / np.where(above > 0, _ABOVE_SD, _BELOW_SD)) ** 2)
-    off = (along - (stage.front if is_front else stage.hind)) / (_ALONG_SD * span)
+    fits = np.exp(-0.5 * (above / np.where(above > 0, p.above_sd, p.below_sd)) ** 2)
+    off = (along - (stage.front if is_front else stage.hind)) / (p.along_sd * span)
     fits *= np.exp(-0.5 * off**2)
     outward = side * (aside - stage.middle) / span
-    fits *= np.exp(-0.5 * ((outward - _ASIDE) / _ASIDE_SD) ** 2)
+    fits *= np.exp(-0.5 * ((outward - p.aside) / p.aside_sd) ** 2)
     views = np.where(
         np.isnan(places.residual),
-        _ONE_VIEW,
-        np.exp(-0.5 * (np.nan_to_num(places.residual) / RESIDUAL_SD) ** 2),
+        p.one_view,
+        np.exp(-0.5 * (np.nan_to_num(places.residual) / p.paw_residual_sd) ** 2),
     )
     return fits * views * np.sqrt(np.clip(places.strength, 0.0, 1.0))

@@ -18,26 +18,9 @@ from scipy.ndimage import gaussian_filter1d
 
 from pawnb.arrays import BoolArray, FloatArray, Points3D
 from pawnb.core.paws.start_proposal.blobs import Blobs
+from pawnb.core.paws.start_proposal.parameters import PAW_PROPOSAL
 from pawnb.core.rig import Rig
 from pawnb.signals.robust import MAD_TO_SD
-
-WORST_RESIDUAL = 0.2
-"""Views that disagree by more than this many paw lengths do not see the same place."""
-
-_LEAST_STRENGTH = 0.1
-"""A spot less like a paw than this, of 1, makes no place."""
-_RESIDUAL_SD = 0.07
-"""Usual disagreement of views about one paw, in paw lengths."""
-_BANDS = 80
-"""Heights that the ground is looked for at, between the lowest places and the highest."""
-_GATHERED = 0.4
-"""The ground is the lowest height where places gather this much of the most they do."""
-
-_FAR = 4.0
-"""Places further from the middle of all than this many times the median are no animal's."""
-
-_LEAST_PLACES = 20
-"""Fewer tell neither a ground nor an animal."""
 
 
 @dataclass(frozen=True)
@@ -61,7 +44,7 @@ class CandidatePlaces:
     @property
     def weight(self) -> FloatArray:
         """Strength, less where the views disagree."""
-        off = np.nan_to_num(self.residual, nan=0.0) / _RESIDUAL_SD
+        off = np.nan_to_num(self.residual, nan=0.0) / PAW_PROPOSAL.place_residual_sd
         return self.strength * np.exp(-0.5 * off**2)
 
 
@@ -119,7 +102,8 @@ def pair_blobs(
         strength = np.minimum(here.strength[:, None], there.strength[None]).ravel()
         solved = rig.subset((a, b)).triangulate(uv.reshape(-1, 2, 2))
         residual = solved.residual_px / (0.5 * (paw_px[a] + paw_px[b]))
-        good = (residual < WORST_RESIDUAL) & (strength > _LEAST_STRENGTH)
+        good = residual < PAW_PROPOSAL.worst_residual
+        good &= strength > PAW_PROPOSAL.least_strength
         parts.append(CandidatePlaces(solved.xyz[good], strength[good], residual[good]))
     return join(parts)
 
@@ -179,23 +163,26 @@ def find_stage(places: CandidatePlaces, rig: Rig) -> Stage | None:
     forward, up = np.asarray(rig.forward, dtype=float), np.asarray(rig.up, dtype=float)
     axes = np.stack([forward, np.cross(forward, up), up])
     local = places.xyz @ axes.T
-    if len(local) < _LEAST_PLACES:
+    p = PAW_PROPOSAL
+    if len(local) < p.places_least:
         return None
     away = np.linalg.norm(local - np.median(local, axis=0), axis=1)
-    near = away < _FAR * np.median(away)
+    near = away < p.place_far * np.median(away)
     local, weight = local[near], places.weight[near]
-    low, high = np.percentile(local[:, 2], [5, 95])
-    total, edges = np.histogram(local[:, 2], bins=_BANDS, range=(low, high), weights=weight)
+    low, high = np.percentile(local[:, 2], p.ground_range)
+    total, edges = np.histogram(local[:, 2], bins=p.ground_bands, range=(low, high), weights=weight)
     # places that are wrong spread over many heights: what counts is a narrow peak
-    peak = gaussian_filter1d(total, 1.0) - gaussian_filter1d(total, 5.0)
+    peak = gaussian_filter1d(total, p.ground_narrow) - gaussian_filter1d(total, p.ground_wide)
     inner = peak[1:-1]
-    is_peak = (inner > peak[:-2]) & (inner >= peak[2:]) & (inner >= _GATHERED * inner.max())
+    is_peak = (inner > peak[:-2]) & (inner >= peak[2:])
+    is_peak &= inner >= p.ground_gathered * inner.max()
     if not is_peak.any():
         return None
     band = edges[1] - edges[0]
+    # the middle of the band, of which the first has no neighbour and is no peak
     ground = float(low + (np.flatnonzero(is_peak)[0] + 1.5) * band)
-    standing = np.abs(local[:, 2] - ground) < 2.0 * band
-    if standing.sum() < _LEAST_PLACES:
+    standing = np.abs(local[:, 2] - ground) < p.ground_thickness * band
+    if standing.sum() < p.places_least:
         return None
     local, weight = local[standing], weight[standing]
     for axis in (0, 1, 0, 1):
@@ -207,9 +194,9 @@ def find_stage(places: CandidatePlaces, rig: Rig) -> Stage | None:
 
 
 def _in_the_crowd(values: FloatArray) -> BoolArray:
-    """Tell which numbers lie within three robust standard deviations of the median."""
+    """Tell which numbers lie within some robust standard deviations of the median."""
     away = np.abs(values - np.median(values))
-    return np.asarray(away <= 3.0 * MAD_TO_SD * np.median(away))
+    return np.asarray(away <= PAW_PROPOSAL.crowd_sd * MAD_TO_SD * np.median(away))
 
 
 def _two_middles(values: FloatArray, weight: FloatArray) -> tuple[float, float]:

@@ -19,7 +19,6 @@ import pandas as pd
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.start_proposal.blobs import (
-    PAW_SHARE,
     Blobs,
     Look,
     find_blobs,
@@ -27,7 +26,8 @@ from pawnb.core.paws.start_proposal.blobs import (
     paw_likeness,
     share_as_paw_like,
 )
-from pawnb.core.paws.start_proposal.choose import RESIDUAL_SD, Paw, ViewGeometry, choose_places
+from pawnb.core.paws.start_proposal.choose import Paw, ViewGeometry, choose_places
+from pawnb.core.paws.start_proposal.parameters import PAW_PROPOSAL
 from pawnb.core.paws.start_proposal.places import (
     CandidatePlaces,
     Stage,
@@ -42,28 +42,8 @@ from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS
 
-_STILL_FRAMES = 9
-"""Frames, spread over those that are looked through, that tell what stays where it is. Fewer
-may all fall into one stance."""
 _WAYS: tuple[Look, ...] = ("skin", "red", "light")
 """What paws are found by, one after the other until each paw is sure."""
-_SURE = 0.25
-"""Where each paw is so sure, they are not looked for in another way."""
-_RARE = 0.03
-"""Paws that so large a share of the picture has the colour of are half as sure."""
-_FOUND = 0.1
-"""Where half of the paws are less sure than this no animal was found, whatever one of them says:
-in a real clip of a mouse on a wheel the four were 0, 0, 0.06 and 0.72 sure, the last wrongly."""
-_SIDES_UNKNOWN = 0.24
-"""No paw is surer than this (unsure) where the calibration does not tell left from right."""
-_TRIED = 12
-"""Frames in which the digits are measured before one is chosen."""
-
-_LIFT_SD = 0.13
-_REACH, _PAD, _DOWN = 0.35, 0.06, 0.6
-"""In spans, so that no length has to be known: standard deviation of the digits' height, the
-reach of a paw, the length of its digits. ``_DOWN`` is how much digits point down in the picture
-for each part forward."""
 
 
 @dataclass(frozen=True)
@@ -135,7 +115,7 @@ def find_paws(
         later = None if progress is None else _after(progress, done * len(frames))
         other = _find(replace(looks, look=look), rig, groups, paws, later)
         found = max((one for one in (found, other) if one is not None), key=_worth, default=None)
-        if found is not None and min(found.sure.values()) >= _SURE:
+        if found is not None and min(found.sure.values()) >= PAW_PROPOSAL.sure:
             break
     if found is None:
         raise InputError(
@@ -148,7 +128,7 @@ def find_paws(
 def _as_sure_as_all(found: FoundPaws, rig: Rig) -> FoundPaws:
     """Withhold paws of which most are not sure; doubt all where left and right are not known."""
     usual = float(np.median(list(found.sure.values())))
-    if usual < _FOUND:
+    if usual < PAW_PROPOSAL.found:
         raise InputError(
             "no frame shows the paws so clearly that they can be proposed; click the points "
             "instead."
@@ -162,7 +142,7 @@ def _as_sure_as_all(found: FoundPaws, rig: Rig) -> FoundPaws:
     known = len(seen) > 1 and bool(
         (dlt.handedness(rig.coefs, np.stack([solved.xyz for solved in seen])) == 1).all()
     )
-    most = 1.0 if known else _SIDES_UNKNOWN
+    most = 1.0 if known else PAW_PROPOSAL.sides_unknown
     sure = {point: min(value, most) for point, value in found.sure.items()}
     return replace(found, sure=sure, sides_known=known)
 
@@ -197,7 +177,9 @@ class _Looks:
     def likeness(self, picture: FramePixels, name: str) -> np.ndarray:
         """Return the likeness of the whole picture of a view."""
         width = self.views.readers[name].width
-        return paw_likeness(self._whole(picture, name), PAW_SHARE * width, look=self.look)
+        return paw_likeness(
+            self._whole(picture, name), PAW_PROPOSAL.paw_of_width * width, look=self.look
+        )
 
     def _whole(self, picture: FramePixels, name: str) -> np.ndarray:
         """Return the whole picture of a view."""
@@ -215,7 +197,7 @@ def _find(
     """Find the paws by one likeness; None where too few spots stand out."""
     views = looks.views
     seen = _look_through(looks, progress)
-    paw_px = {name: PAW_SHARE * views.readers[name].width for name in views.names}
+    paw_px = {name: PAW_PROPOSAL.paw_of_width * views.readers[name].width for name in views.names}
     places: dict[int, list[CandidatePlaces]] = {}
     for frame, blobs in seen.items():
         places[frame] = [
@@ -237,7 +219,7 @@ def _find(
     order = sorted(chosen, key=lambda frame: (-_frame_score(chosen[frame], paws), frame))
     found = [
         _measure(frame, chosen[frame], looks=looks, rig=rig, groups=groups, paws=paws, stage=stage)
-        for frame in order[:_TRIED]
+        for frame in order[: PAW_PROPOSAL.frames_measured]
     ]
     return max(found, key=_worth)
 
@@ -276,7 +258,7 @@ def _look_through(
         seen[int(number)] = {
             name: find_blobs(
                 looks.likeness(pictures[name], name),
-                PAW_SHARE * views.readers[name].width,
+                PAW_PROPOSAL.paw_of_width * views.readers[name].width,
                 still=still[name],
             )
             for name in views.names
@@ -289,10 +271,10 @@ def _look_through(
 def _still(looks: _Looks) -> Mapping[str, np.ndarray | None]:
     """Return how paw-like each place is most of the time: what stays there is no paw."""
     views, frames = looks.views, looks.frames
-    if len(frames) < _STILL_FRAMES:
+    if len(frames) < PAW_PROPOSAL.still_frames:
         return dict.fromkeys(views.names)
     kept: dict[str, list[np.ndarray]] = {name: [] for name in views.names}
-    for at in np.linspace(0, len(frames) - 1, _STILL_FRAMES).round():
+    for at in np.linspace(0, len(frames) - 1, PAW_PROPOSAL.still_frames).round():
         pictures = views.frame(int(frames[int(at)]))
         for name in views.names:
             kept[name].append(looks.likeness(pictures[name], name).astype(np.float32))
@@ -312,7 +294,7 @@ def _worth(found: FoundPaws) -> tuple[float, int]:
 def _score(sure: Iterable[float]) -> float:
     """Return the least of some numbers, and a little of their mean."""
     values = np.array(list(sure))
-    return float(values.min() + 0.1 * values.mean())
+    return float(values.min() + PAW_PROPOSAL.mean_share * values.mean())
 
 
 def _measure(
@@ -326,7 +308,7 @@ def _measure(
     stage: Stage,
 ) -> FoundPaws:
     """Measure the digits of the chosen paws in every view that tracks them."""
-    views, pictures = looks.views, looks.views.frame(frame)
+    views, pictures, p = looks.views, looks.views.frame(frame), PAW_PROPOSAL
     likeness = {
         name: looks.likeness(pictures[name], name)
         for name in dict.fromkeys(name for names in groups.values() for name in names)
@@ -340,16 +322,19 @@ def _measure(
         if len(names) > 1:
             own = rig.subset(names)
             solved = own.triangulate(uv)
-            paw_px = np.mean([PAW_SHARE * views.readers[name].width for name in names])
-            off = float(solved.residual_px) / paw_px / RESIDUAL_SD
+            paw_px = np.mean(
+                [PAW_PROPOSAL.paw_of_width * views.readers[name].width for name in names]
+            )
+            off = float(solved.residual_px) / paw_px / p.paw_residual_sd
             lift = (float(solved.xyz @ stage.axes[2]) - stage.ground) / stage.span
-            score *= float(np.exp(-0.5 * (off / 2.0) ** 2 - 0.5 * (lift / _LIFT_SD) ** 2))
+            off, lift = off / p.digits_residual, lift / p.digits_lift_sd
+            score *= float(np.exp(-0.5 * off**2 - 0.5 * lift**2))
             uv = own.project(solved.xyz)
         if looks.look != "light":
             shares = [
                 share_as_paw_like(likeness[name], at) for name, at in zip(names, uv, strict=True)
             ]
-            score /= 1.0 + (float(np.mean(shares)) / _RARE) ** 2
+            score /= 1.0 + (float(np.mean(shares)) / p.rare) ** 2
         rows += [
             (frame, name, paw.point, round(float(u), 2), round(float(v), 2))
             for name, (u, v) in zip(names, uv, strict=True)
@@ -365,6 +350,7 @@ def _digits(rig: Rig, name: str, xyz: np.ndarray, likeness: np.ndarray, stage: S
     one = rig.subset((name,))
     here, before, under = one.project(np.stack([xyz, xyz + ahead, xyz + below]))[:, 0]
     scale = float(np.linalg.norm(before - here))
-    direction = (before - here) / scale + _DOWN * (under - here) / scale
+    direction = (before - here) / scale + PAW_PROPOSAL.digits_down * (under - here) / scale
     direction /= np.linalg.norm(direction)
-    return find_digits(likeness, here, direction, reach_px=_REACH * scale, pad_px=_PAD * scale)
+    reach, pad = PAW_PROPOSAL.digits_reach * scale, PAW_PROPOSAL.digits_length * scale
+    return find_digits(likeness, here, direction, reach_px=reach, pad_px=pad)

@@ -17,8 +17,9 @@ from pawnb.core.pose.pullar2009.limb_steps import FLAT, part_distances, shape_co
 from pawnb.core.pose.pullar2009.sticks import distance_map
 
 _LOWERED = 1e-7
-"""An energy is lower only by more than this share: costs are rounded before the cut."""
+"""Numerics: an energy is lower only by more than this share: costs are rounded before the cut."""
 _NEIGHBOURS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+"""Definition: the four neighbouring positions of §3.4.2, px."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,18 +17,8 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.pullar2009.energy import FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import infer_pose
 from pawnb.core.pose.pullar2009.limb_steps import shape_cost
+from pawnb.core.pose.pullar2009.parameters import PULLAR2009
 from pawnb.core.pose.pullar2009.sticks import Sticks, distance_map
-
-FACTORS = np.arange(0.6, 1.101, 0.02)
-"""Lengths that are tried, as shares of the start pose: a raised leg looks down to 0.6 long."""
-_ROUNDS = 4
-"""Turns of pose and lengths, at most."""
-_REACH = 5.0
-"""Pixels as many d_r from the shape may be its legs."""
-_SPECK_PX = 6
-"""Smaller dark spots are no part of a leg."""
-_MARGIN_OF_SPAN = 0.15
-"""Room about the animal in which its legs are looked for."""
 
 
 def fit_leg_lengths(
@@ -52,27 +42,34 @@ def fit_leg_lengths(
     energy : Pullar2009Energy
         That of a stick animal with those lengths.
     factors : ndarray, shape (n_legs,)
-        Factor of each leg's length, 0.6 to 1.1. The pose and the factors are fitted in turn, at
-        most four times: each leg gets the factor for which the shape prior costs least, the
+        Factor of each leg's length, of :func:`lengths_tried`. The pose and the factors are fitted
+        in turn, a few times: each leg gets the factor for which the shape prior costs least, the
         labels being those of the likelihood alone (Fig. 3.6b) near the legs, which keep their
         thin ends.
     """
-    whole = energy.sticks
+    whole, tried = energy.sticks, lengths_tried()
     factors = np.ones(len(whole.n_links))
-    for _ in range(_ROUNDS):
+    for _ in range(PULLAR2009.lengths_rounds):
         fit = infer_pose(energy, frame, pose, rng=rng)
         pose, before = fit.pose, factors.copy()
-        dark = _dark_along(energy, frame, scaled(whole, np.full(len(factors), FACTORS[-1])), pose)
+        dark = _dark_along(energy, frame, scaled(whole, np.full(len(factors), tried[-1])), pose)
         for leg in range(len(factors)):
             costs = []
-            for factor in FACTORS:
+            for factor in tried:
                 factors[leg] = factor
                 costs.append(_cost(energy, frame, scaled(whole, factors), pose, dark))
-            factors[leg] = FACTORS[int(np.argmin(costs))]
+            factors[leg] = tried[int(np.argmin(costs))]
         energy = energy.with_sticks(scaled(whole, factors))
-        if np.abs(factors - before).max() < 0.03:
+        if np.abs(factors - before).max() < PULLAR2009.lengths_settled:
             break
     return energy, factors
+
+
+def lengths_tried() -> FloatArray:
+    """Return the lengths that are tried, as shares of the start pose, ascending."""
+    p = PULLAR2009
+    # a step's fraction more, so that rounding does not leave out the last
+    return np.arange(p.lengths_from, p.lengths_to + p.lengths_step / 2, p.lengths_step)
 
 
 def scaled(sticks: Sticks, factors: np.ndarray) -> Sticks:
@@ -90,14 +87,14 @@ def _dark_along(
 ) -> np.ndarray:
     """Return the pixels near the shape that stand out of the background, specks left out."""
     u0, v0, u1, v1 = frame.box
-    reach = _REACH * energy.parameters.thickness_px
+    reach = PULLAR2009.lengths_reach * energy.parameters.thickness_px
     away = distance_map(
         (u0, v0), (v1 - v0, u1 - u0), pose[2], sticks.points(pose), sticks.n_links,
         sticks.parts(pose), reach,
     )  # fmt: skip
     dark = (frame.own < 0) & (away < reach)
     _, names, stats, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8), connectivity=8)
-    large = stats[:, cv2.CC_STAT_AREA] >= _SPECK_PX
+    large = stats[:, cv2.CC_STAT_AREA] >= PULLAR2009.lengths_speck_px
     large[0] = False
     return large[names]
 
@@ -110,7 +107,7 @@ def _cost(
     labels: np.ndarray,
 ) -> float:
     """Return the shape prior's cost for labels that stay."""
-    p, margin = energy.parameters, int(_MARGIN_OF_SPAN * energy.span_px)
+    p, margin = energy.parameters, int(PULLAR2009.lengths_margin_of_span * energy.span_px)
     # beyond the picture there is no animal either
     wide = np.pad(labels, margin)
     origin = (frame.box[0] - margin, frame.box[1] - margin)

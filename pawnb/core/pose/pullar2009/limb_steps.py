@@ -22,9 +22,9 @@ from pawnb.core.pose.pullar2009.sticks import (
 )
 
 FLAT = 30.0
-"""log(1 + exp(-x)) beyond this is nothing."""
+"""Numerics: log(1 + exp(-x)) beyond this is nothing."""
 _NEAR_PX = 8.0
-"""Distances up to this are taken from a map of all of them, larger ones are worked out singly."""
+"""Resource: distances up to this come from a map of all of them, larger ones one by one."""
 
 
 @compiled

@@ -22,7 +22,9 @@ from pawnb.arrays import BoolArray, Float32Array, IntArray
 from pawnb.core.compiled import compiled
 
 _MOST_FLOW = 2**30
-"""scipy's flows are 32-bit whole numbers: costs are scaled so that all flow together is no more."""
+"""Numerics: scipy's flows are 32-bit whole numbers; all flow together is scaled to this."""
+_ROUNDED = 1.0001
+"""Numerics: bounds are this much higher, so that rounding of sums does not decide."""
 
 
 def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> BoolArray:
@@ -154,8 +156,7 @@ def _decide(
         n -= 1
         p = todo[n]
         queued[p] = False
-        # rounding of the sums must not decide
-        if abs(rest[p]) < bound[p] * np.float32(1.0001):
+        if abs(rest[p]) < bound[p] * np.float32(_ROUNDED):
             continue
         label[p] = 1 if rest[p] < 0 else 0
         for side in range(4):

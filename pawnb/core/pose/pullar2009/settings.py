@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.pullar2009.parameters import PULLAR2009
 from pawnb.schema import check_ranges
 
 PUBLISHED_NAMES = {
@@ -15,10 +16,6 @@ PUBLISHED_NAMES = {
     "mu": "steepness",
 }
 """The thesis's names of settings, to ours; ``docs/published_methods.md`` has the same."""
-
-ISING_OF_SIGMA = 0.5
-CONTRAST_OF_SIGMA = 2.0
-THICKNESS_OF_SPAN = 1 / 200
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,12 +171,12 @@ def fill_parameters(
     def given(value: float | None, default: float) -> float:
         return default if value is None else value
 
-    thickness = given(settings.thickness_px, animal.span * scale * THICKNESS_OF_SPAN)
+    thickness = given(settings.thickness_px, animal.span * scale * PULLAR2009.thickness_of_span)
     mean, sd, box = subject
     return EnergyParameters(
         sigma=sigma,
-        ising=given(settings.ising, ISING_OF_SIGMA * sigma),
-        contrast=given(settings.contrast, CONTRAST_OF_SIGMA * sigma),
+        ising=given(settings.ising, PULLAR2009.ising_of_sigma * sigma),
+        contrast=given(settings.contrast, PULLAR2009.contrast_of_sigma * sigma),
         edge_grey=given(settings.edge_grey, sigma),
         thickness_px=thickness,
         steepness=given(settings.steepness, sigma / thickness),

@@ -17,7 +17,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses
 
 HALF_LINE_PX = 0.5
-"""Half the width of a rasterised line: pixels whose centre is this near are part of the shape."""
+"""Definition: half the width of a rasterised line, px: what is as near is part of the shape."""
 
 
 @dataclass(frozen=True, eq=False)

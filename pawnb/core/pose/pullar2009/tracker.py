@@ -17,6 +17,7 @@ from pawnb.core.pose.pullar2009.energy import Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import FramePose, infer_pose
 from pawnb.core.pose.pullar2009.leg_lengths import fit_leg_lengths, per_segment, scaled
 from pawnb.core.pose.pullar2009.likelihood import EmptyScene, background_cost
+from pawnb.core.pose.pullar2009.parameters import PULLAR2009
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.pose.pullar2009.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
@@ -24,18 +25,8 @@ from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import ORIGIN_CODE
 
-_SLACK_OF_SPAN = 0.12
-"""How far parts may move from the guess in one frame before the crop is made anew."""
-_BODY_SHARE = 0.5
-"""Least share of the body's place that must differ from the background in the start frame."""
-_BEYOND = 0.04
-"""Share of the leg span by which a leg may reach beyond the edge of the picture."""
-_RAISED = 0.75
-"""In the start frame legs may look this much shorter than they are."""
 _WAY = "one way"
 """A frame is come to from one start frame only."""
-_SEEN_SHARE = 0.3
-"""A leg of which less than this lies on subject pixels was not placed by the picture."""
 
 
 def track_pullar2009(
@@ -148,7 +139,7 @@ class _Tracker:
     def _fit_lengths(self, picture: np.ndarray) -> None:
         """Give the stick animal legs as long as they look in the start frame."""
         pose = pose_vector(self.start)
-        slack = _SLACK_OF_SPAN * self.energy.span_px
+        slack = PULLAR2009.slack_of_span * self.energy.span_px
         frame = self.energy.frame(picture, pose, slack_px=slack)
         rng = np.random.default_rng(self.settings.seed)
         self.energy, factors = fit_leg_lengths(self.energy, frame, pose, rng=rng)
@@ -214,7 +205,7 @@ class _Tracker:
         for row, i in enumerate(numbers):
             if int(i) in self.found:
                 vectors[row], confidence[row] = self.found[int(i)], self.confidence[int(i)]
-                seen = confidence[row] >= _SEEN_SHARE
+                seen = confidence[row] >= PULLAR2009.seen_share
                 origin[row] = np.where(seen, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
         there = np.isfinite(vectors[:, 0])
         poses = Poses(
@@ -246,8 +237,8 @@ class _Tracker:
         """
         picture = self.reader.frame(number).image()
         rng = np.random.default_rng([self.settings.seed, number])
-        slack = _SLACK_OF_SPAN * self.energy.span_px
-        for _ in range(3):
+        slack = PULLAR2009.slack_of_span * self.energy.span_px
+        for _ in range(PULLAR2009.crops):
             frame = self.energy.frame(picture, guess, slack_px=slack)
             fit = infer_pose(self.energy, frame, guess, rng=rng)
             moved = np.abs(np.subtract(self.energy.extent(fit.pose), self.energy.extent(guess)))
@@ -283,7 +274,7 @@ def check_start(energy: Pullar2009Energy, picture: np.ndarray, start: Poses) -> 
     """
     where = f"the start pose of frame {start.frames[0]}"
     pose, height, width = pose_vector(start), picture.shape[0], picture.shape[1]
-    raised = scaled(energy.sticks, np.full(len(energy.sticks.n_links), _RAISED))
+    raised = scaled(energy.sticks, np.full(len(energy.sticks.n_links), PULLAR2009.raised))
     part = part_outside(raised, pose, (width, height), animal=energy.animal)
     if part is not None:
         raise InputError(
@@ -298,7 +289,7 @@ def check_start(energy: Pullar2009Energy, picture: np.ndarray, start: Poses) -> 
     nothing = np.empty((0, 2, 2)), np.empty(0, dtype=np.int64)
     body = distance_map((0, 0), cost.shape, pose[2], *nothing, sticks.parts(pose), 1.0) <= 0
     share = float(stands_out[body].mean())
-    if share < _BODY_SHARE:
+    if share < PULLAR2009.body_share:
         u0, v0, u1, v1 = energy.parameters.subject_box
         raise InputError(
             f"{where} is not on the animal: only {100 * share:.0f} % of the body's place differs "
@@ -312,7 +303,7 @@ def part_outside(
 ) -> str | None:
     """Return what lies outside a picture of that width and height: a leg's name, the body, or None.
 
-    A leg may reach 4 % of the longest leg pair beyond the edge: the stick animal's legs do not
+    A leg may reach a little beyond the edge (``beyond_of_span``): the stick animal's legs do not
     shorten when they are raised. The body must be inside with its front and rear ends.
 
     Parameters
@@ -331,7 +322,7 @@ def part_outside(
     str or None
         What lies outside.
     """
-    beyond = _BEYOND * 2 * float(sticks.length.sum(axis=1).max())
+    beyond = PULLAR2009.beyond_of_span * 2 * float(sticks.length.sum(axis=1).max())
     low, high = -beyond, np.array(size) - 1 + beyond
     for name, line in zip(animal.leg_names, sticks.points(pose), strict=True):
         line = line[np.isfinite(line[:, 0])]

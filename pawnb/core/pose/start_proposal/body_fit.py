@@ -10,10 +10,11 @@ from scipy.optimize import least_squares
 
 from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 from pawnb.core.pose.start_proposal.silhouette import Silhouette, sample_grid
 
-_POINTS = 120
-"""Points about the body's outline that are compared with the silhouette's."""
+_MOST_STEPS = 60
+"""Resource: of the search for a body's place."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,8 @@ def body_outline(animal: StickAnimal) -> FloatArray:
 
     Points inside another part of the body are left out.
     """
-    turn = np.linspace(0, 2 * np.pi, _POINTS // len(animal.body), endpoint=False)
+    count = POSE_PROPOSAL.body_points // len(animal.body)
+    turn = np.linspace(0, 2 * np.pi, count, endpoint=False)
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=1) / 2
     points = []
     for part in animal.body:
@@ -83,6 +85,7 @@ def fit_body(
     list of BodyFit
         Two fits whose headings are about opposite.
     """
+    own = POSE_PROPOSAL
     v, u = np.nonzero(outline.core)
     pixels = np.stack([u, v], axis=1).astype(float)
     middle = pixels.mean(axis=0)
@@ -95,7 +98,7 @@ def fit_body(
     inside = cv2.distanceTransform(outline.core.astype(np.uint8), cv2.DIST_L2, 5)
     outside = cv2.distanceTransform(1 - outline.core.astype(np.uint8), cv2.DIST_L2, 5)
     signed = np.where(outline.core, inside - 0.5, 0.5 - outside).astype(np.float32)
-    rim = pixels[inside[v, u] < 1.5]
+    rim = pixels[inside[v, u] < own.body_rim]
     fits = []
     for heading in (along, along + np.pi):
         back = guess * np.array([np.cos(heading), np.sin(heading)]) * centre[0]
@@ -105,10 +108,12 @@ def fit_body(
             """How far the outlines are apart both ways, and the scale from what is known."""
             to_core = sample_grid(signed, _placed(model, p))
             to_model = _to_ellipses(animal, rim, p)
-            known = [] if scale is None else [30.0 * (p[3] - np.log(scale))]
+            known = [] if scale is None else [own.body_scale_weight * (p[3] - np.log(scale))]
             return np.concatenate([to_core, to_model * np.sqrt(len(model) / len(rim)), known])
 
-        found = least_squares(residuals, start, loss="cauchy", f_scale=1.0, max_nfev=60)
+        found = least_squares(
+            residuals, start, loss="cauchy", f_scale=own.body_soft, max_nfev=_MOST_STEPS
+        )
         x, y, turn, log = found.x
         size = float(np.exp(log))
         misfit = float(np.median(np.abs(residuals(found.x)))) / (size * animal.body_length)
@@ -137,4 +142,5 @@ def _to_ellipses(animal: StickAnimal, pixels: FloatArray, p: FloatArray) -> Floa
         steep = np.hypot(dx / (part.length / 2) ** 2, dy / (part.width / 2) ** 2)
         # the distance to first order (Sampson 1982): value over gradient
         parts.append(size * (radius - 1) * radius / np.maximum(steep, 1e-6))
-    return np.clip(np.min(parts, axis=0), -20, 20)
+    most = POSE_PROPOSAL.body_far
+    return np.clip(np.min(parts, axis=0), -most, most)

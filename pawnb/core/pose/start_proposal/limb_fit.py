@@ -12,18 +12,11 @@ from scipy.optimize import least_squares, linear_sum_assignment
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.start_proposal.body_fit import BodyFit
+from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 from pawnb.core.pose.start_proposal.silhouette import LimbOutline, Silhouette, sample_grid
 
-UNMATCHED = 12.0
-"""Cost of a leg without a limb; a limb that fits worse than this is nobody's."""
-_DIRECTION_DEG = 22.0
-_ROOT_DEG = 18.0
-_FIRST_LENGTH, _LENGTH = 0.4, 0.18
-_THICK = 1.25
-"""A limb this much thicker than usual may be two legs side by side."""
-_SWAP = 3.0
-"""Cost difference of two assignments at which one is clearly better."""
-_SAMPLES = np.array([0.34, 0.67, 1.0])
+_MOST_STEPS = 200
+"""Resource: of the search for a leg's angles."""
 
 
 @dataclass(frozen=True)
@@ -69,19 +62,21 @@ def assign_limbs(
     cost : float
         How badly all legs together fit.
     """
-    columns, whole = _cheapest(animal, body, limbs, longer=0.0, slack=_FIRST_LENGTH)
+    p = POSE_PROPOSAL
+    columns, whole = _cheapest(animal, body, limbs, longer=0.0, slack=p.length_sd_first)
     ratios = [
         _length_ratio(leg, body, limbs[k])
         for leg, k in zip(animal.legs, columns, strict=True)
         if k < len(limbs)
     ]
     # a species may have longer or shorter legs than its file says
-    longer = float(np.clip(np.median(ratios), -0.7, 0.7)) if ratios else 0.0
-    columns, whole = _cheapest(animal, body, limbs, longer=longer, slack=_LENGTH)
+    most = p.longer_most
+    longer = float(np.clip(np.median(ratios), -most, most)) if ratios else 0.0
+    columns, whole = _cheapest(animal, body, limbs, longer=longer, slack=p.length_sd)
     # a limb that is long and nobody's counts against the assignment
     longest = max((limb.own for limb in limbs), default=1.0)
     left = sum(limb.own / longest for k, limb in enumerate(limbs) if k not in columns)
-    cost = float(whole[np.arange(len(columns)), columns].sum() + 0.5 * UNMATCHED * left)
+    cost = float(whole[np.arange(len(columns)), columns].sum() + p.left_over * p.unmatched * left)
     found, margins = {}, {}
     for i, leg in enumerate(animal.legs):
         k = columns[i]
@@ -93,7 +88,7 @@ def assign_limbs(
         now = whole[i, k] + whole[others, columns[others]]
         swapped = whole[i, columns[others]] + whole[others, k]
         swapped[columns[others] >= len(limbs)] = np.inf
-        margins[leg.name] = float(min((swapped - now).min(), UNMATCHED))
+        margins[leg.name] = float(min((swapped - now).min(), p.unmatched))
     return found, margins, cost
 
 
@@ -121,17 +116,18 @@ def shared_limb(
     """
     thick = {name: _thickness(limb, outline) for name, limb in found.items()}
     usual = float(np.median(list(thick.values()))) if thick else 0.0
-    best, least = None, UNMATCHED
+    p = POSE_PROPOSAL
+    best, least = None, p.unmatched
     for name, limb in found.items():
-        if thick[name] < _THICK * usual:
+        if thick[name] < p.two_legs * usual:
             continue
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(limb.path, axis=0).T))])
         rest = body.scale * sum(leg.lengths) - float(
             np.hypot(*(limb.root - body.place(np.array(leg.attach))))
         )
-        inner = along <= max(rest, 0.5 * along[-1])
+        inner = along <= max(rest, p.two_legs_share * along[-1])
         cut = LimbOutline(limb.path[inner], float(along[inner][-1]), 0.0)
-        cost = _cost(leg, body, cut, longer=0.0, slack=_LENGTH)
+        cost = _cost(leg, body, cut, longer=0.0, slack=p.length_sd)
         if cost < least:
             best, least = cut, cost
     return best
@@ -160,17 +156,19 @@ def fit_leg(
     LegFit
         Joints and length; joints beyond their range cost more the further they are.
     """
+    own = POSE_PROPOSAL
+    part = np.array(own.leg_samples)
     attach = body.place(np.array(leg.attach))
     path = np.concatenate([attach[None], limb.path])
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     lengths = body.scale * np.array(leg.lengths)
     chord = float(np.hypot(*(limb.tip - attach)))
-    factor = float(np.clip(max(0.985 * along[-1], chord) / lengths.sum(), 0.35, 1.8))
+    factor = float(np.clip(max(own.leg_arc * along[-1], chord) / lengths.sum(), *own.leg_factor))
     share = np.concatenate([[0.0], np.cumsum(lengths)]) / lengths.sum()
     joints = _along(path, along, share)
     free = np.array(leg.free)
     natural, half = np.array(leg.natural_deg)[free], np.array(leg.range_deg)[free] / 2
-    inner = share[:-1, None] + np.diff(share)[:, None] * _SAMPLES
+    inner = share[:-1, None] + np.diff(share)[:, None] * part
     wanted = _along(path, along, inner.ravel())
 
     def chain(p: FloatArray) -> FloatArray:
@@ -183,22 +181,22 @@ def fit_leg(
 
     def residuals(p: FloatArray) -> FloatArray:
         places = chain(p)
-        samples = places[:-1, None] + np.diff(places, axis=0)[:, None] * _SAMPLES[:, None]
+        samples = places[:-1, None] + np.diff(places, axis=0)[:, None] * part[:, None]
         samples = samples.reshape(-1, 2)
         off = sample_grid(outline.ridge, samples)
         turn = (p[:-1] - natural) / half
         beyond = np.maximum(np.abs(turn) - 1.0, 0.0)
         return np.concatenate([
-            2.0 * (places[-1] - limb.tip),
-            np.minimum(off, 8.0),
-            0.35 * (samples - wanted).ravel(),
-            0.5 * turn,
-            6.0 * beyond,
-            [12.0 * (p[-1] - np.log(factor))],
+            own.leg_tip * (places[-1] - limb.tip),
+            own.leg_middle * np.minimum(off, own.leg_far),
+            own.leg_along * (samples - wanted).ravel(),
+            own.leg_natural * turn,
+            own.leg_beyond * beyond,
+            [own.leg_length_weight * (p[-1] - np.log(factor))],
         ])  # fmt: skip
 
     start = np.append(_angles_of(leg, joints, body.heading_deg), np.log(factor))
-    best = least_squares(residuals, start, method="lm", max_nfev=200)
+    best = least_squares(residuals, start, method="lm", max_nfev=_MOST_STEPS)
     places = chain(best.x)
     off = float(np.hypot(*(places[-1] - limb.tip)))
     close = np.mean(sample_grid(outline.ridge, places[1:])) + off
@@ -209,10 +207,11 @@ def fit_leg(
 
 def _sureness(close: float, size: float, limb: LimbOutline, margin: float) -> float:
     """Return how sure a leg of a size is that lies so close to its limb, 0 to 1."""
+    p = POSE_PROPOSAL
     return float(
-        np.exp(-((close / (0.08 * size)) ** 2))
-        * (1.0 - np.exp(-max(margin, 0.0) / _SWAP))
-        * min(1.0, 1.5 * limb.own / limb.length)
+        np.exp(-((close / (p.leg_close * size)) ** 2))
+        * (1.0 - np.exp(-max(margin, 0.0) / p.swap_cost))
+        * min(1.0, p.leg_own * limb.own / limb.length)
     )
 
 
@@ -237,8 +236,10 @@ def _cheapest(
             for leg in animal.legs
         ]
     )
-    costs = np.minimum(costs.reshape(len(animal.legs), len(limbs)), 3 * UNMATCHED)
-    nobody = np.where(np.eye(len(animal.legs), dtype=bool), UNMATCHED, 10 * UNMATCHED)
+    p = POSE_PROPOSAL
+    most, other = p.unmatched_most * p.unmatched, p.unmatched_other * p.unmatched
+    costs = np.minimum(costs.reshape(len(animal.legs), len(limbs)), most)
+    nobody = np.where(np.eye(len(animal.legs), dtype=bool), p.unmatched, other)
     whole = np.concatenate([costs, nobody], axis=1)
     rows, columns = linear_sum_assignment(whole)
     return columns[np.argsort(rows)], whole
@@ -259,18 +260,19 @@ def _length_ratio(leg: Leg, body: BodyFit, limb: LimbOutline) -> float:
 
 def _cost(leg: Leg, body: BodyFit, limb: LimbOutline, *, longer: float, slack: float) -> float:
     """Return how badly a limb fits a leg: squares of deviations over their usual size."""
+    p = POSE_PROPOSAL
     attach = body.place(np.array(leg.attach))
     lengths = np.array(leg.lengths)
     reach = limb.tip - attach
     usual = _natural_tip_deg(leg)
     direction = _forward_deg(leg, reach, body.heading_deg)
-    turned = _wrapped(direction - usual) / _DIRECTION_DEG
+    turned = _wrapped(direction - usual) / p.direction_sd_deg
     length = (_length_ratio(leg, body, limb) - longer) / slack
-    length *= 1.0 if length > 0 else 0.6  # a raised leg is shorter in the picture
+    length *= 1.0 if length > 0 else p.length_short  # a raised leg is shorter in the picture
     # where the limb leaves the body, seen from the middle of the legs' roots
     out = _wrapped(_forward_deg(leg, limb.root - attach, body.heading_deg) - leg.natural_deg[0])
     near = np.hypot(*(limb.root - attach)) / (body.scale * (lengths[0] + lengths[1]))
-    rooted = out / (2 * _ROOT_DEG), max(near - 1.0, 0.0) / 0.5
+    rooted = out / (2 * p.root_sd_deg), max(near - 1.0, 0.0) / p.root_sd
     return float(turned**2 + length**2 + rooted[0] ** 2 + rooted[1] ** 2)
 
 

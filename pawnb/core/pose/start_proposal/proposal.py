@@ -18,6 +18,7 @@ from pawnb.core.pose.start_proposal.limb_fit import (
     fit_leg,
     shared_limb,
 )
+from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 from pawnb.core.pose.start_proposal.silhouette import (
     BackgroundModel,
     LimbOutline,
@@ -26,23 +27,6 @@ from pawnb.core.pose.start_proposal.silhouette import (
     trace_limbs,
 )
 from pawnb.errors import InputError
-
-MOST_FRAMES = 40
-"""Frames that are looked through, spread evenly, where none are named."""
-_DOUBTFUL = 0.25
-"""Where a leg is less sure in the best of these frames, as many more are looked through."""
-_SHORTEST = 0.2
-"""A limb's own part is at least this share of a leg's length."""
-_TRIED = 5
-"""So many of the best frames are fitted whole."""
-_TRAVEL = 8.0
-"""Cost of a body that runs backwards as fast as half its length between two frames looked at."""
-_MISFIT = 400.0
-"""Cost of a body whose outline is off by its whole length."""
-_CROSSING = 4.0
-"""Cost of a pair of legs that cross."""
-_SECOND = 0.4
-"""Something else of this share of the animal's size is spoken of."""
 
 
 class Frames(Protocol):
@@ -130,12 +114,12 @@ def propose_pose(
         If no frame shows the whole animal away from the edges of the picture.
     """
     every = sorted({int(frame) for frame in frames or range(reader.n_frames)})
-    first = _spread(every, MOST_FRAMES)
+    first = _spread(every, POSE_PROPOSAL.frames_most)
     hypotheses = _find_bodies(reader, animal, background, first, progress)
     if hypotheses:
         hypothesis, legs = _fit_best(animal, _with_travel(animal, hypotheses))
-    if not hypotheses or min(fit.sure for fit in legs.values()) < _DOUBTFUL:
-        more = _spread([frame for frame in every if frame not in first], MOST_FRAMES)
+    if not hypotheses or min(fit.sure for fit in legs.values()) < POSE_PROPOSAL.doubtful:
+        more = _spread([frame for frame in every if frame not in first], POSE_PROPOSAL.frames_most)
         hypotheses += _find_bodies(reader, animal, background, more, progress)
         if not hypotheses:
             raise InputError(
@@ -170,19 +154,23 @@ def _find_bodies(
     }
     usual = float(np.median(list(areas.values()))) if areas else 0.0
     # others show half an animal, or something else
-    return [hypothesis for hypothesis in hypotheses if 0.6 < areas[hypothesis.frame] / usual < 1.6]
+    least, most = POSE_PROPOSAL.area_range
+    return [
+        hypothesis for hypothesis in hypotheses if least < areas[hypothesis.frame] / usual < most
+    ]
 
 
 def _both_ways(animal: StickAnimal, frame: int, outline: Silhouette) -> list[_BodyHypothesis]:
     """Return what one frame says of either way round of the body."""
     bodies = fit_body(animal, outline)
     usual_leg = float(np.median([sum(leg.lengths) for leg in animal.legs]))
-    shortest = _SHORTEST * bodies[0].scale * usual_leg
-    limbs = trace_limbs(outline, shortest=shortest, most=len(animal.legs) + 4)
+    shortest = POSE_PROPOSAL.limb_shortest * bodies[0].scale * usual_leg
+    most = len(animal.legs) + POSE_PROPOSAL.limbs_more
+    limbs = trace_limbs(outline, shortest=shortest, most=most)
     hypotheses = []
     for body in bodies:
         found, margins, cost = assign_limbs(animal, body, limbs)
-        cost += _MISFIT * body.misfit
+        cost += POSE_PROPOSAL.body_misfit * body.misfit
         hypotheses.append(_BodyHypothesis(frame, outline, body, found, margins, cost))
     return hypotheses
 
@@ -204,12 +192,13 @@ def _with_travel(animal: StickAnimal, hypotheses: list[_BodyHypothesis]) -> list
     along = np.array([places[frame] for frame in frames])
     step = np.gradient(along, axis=0) if len(frames) > 1 else np.zeros_like(along)
     travelled = dict(zip(frames, step, strict=True))
-    out = []
+    out, p = [], POSE_PROPOSAL
     for hypothesis in hypotheses:
         size = hypothesis.body.scale * hypothesis.outline.shrink * animal.body_length
         turn = np.radians(hypothesis.body.heading_deg)
-        forward = float(travelled[hypothesis.frame] @ [np.cos(turn), np.sin(turn)]) / (0.5 * size)
-        cost = hypothesis.cost - _TRAVEL * float(np.clip(forward, -1.0, 1.0))
+        along_it = float(travelled[hypothesis.frame] @ [np.cos(turn), np.sin(turn)])
+        forward = along_it / (p.travel_of_body * size)
+        cost = hypothesis.cost - p.travel * float(np.clip(forward, -1.0, 1.0))
         out.append(replace(hypothesis, cost=cost))
     return out
 
@@ -222,13 +211,13 @@ def _fit_best(
     for hypothesis in hypotheses:
         if hypothesis.frame not in by_frame or hypothesis.cost < by_frame[hypothesis.frame].cost:
             by_frame[hypothesis.frame] = hypothesis
-    tried = []
-    for hypothesis in sorted(by_frame.values(), key=lambda x: x.cost)[:_TRIED]:
+    tried, p = [], POSE_PROPOSAL
+    for hypothesis in sorted(by_frame.values(), key=lambda x: x.cost)[: p.frames_fitted]:
         legs = {leg.name: _fit_one(leg, hypothesis) for leg in animal.legs}
         places = joint_positions(animal, _pose_of(animal, hypothesis, legs))[0]
         chains = [c[np.isfinite(c[:, 0])][1:] for c in places]
         doubt = sum(1.0 - fit.sure for fit in legs.values())
-        cost = hypothesis.cost + 3.0 * doubt + _CROSSING * count_crossings(chains)
+        cost = hypothesis.cost + p.doubt * doubt + p.crossing * count_crossings(chains)
         tried.append((cost, hypothesis, legs))
     _, hypothesis, legs = min(tried, key=lambda t: t[0])
     return hypothesis, legs
@@ -270,14 +259,15 @@ def _notes(
             f"No limb of its own was found for {', '.join(missing)} in frame {body.frame}: look "
             "at it, pose it by hand, or say that the leg is missing."
         )
-    if body.outline.others > _SECOND:
+    if body.outline.others > POSE_PROPOSAL.second:
         notes.append(
             f"Frame {body.frame} shows a second thing, {100 * body.outline.others:.0f} % as large "
             "as the animal; the larger was posed. Crop the view if it is the wrong one."
         )
     if px_per_unit is not None:
         ratio = float(pose.scale[0]) / px_per_unit
-        if not 0.67 < ratio < 1.5:
+        least, most = POSE_PROPOSAL.odd_scale
+        if not least < ratio < most:
             notes.append(
                 f"The animal is {ratio:.2f} times as large as its species file says; "
                 "check the calibration or the species."

@@ -16,19 +16,7 @@ from skimage.morphology import skeletonize
 
 from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
-
-_NOISE_SDS = 4.0
-"""A pixel further than this from the background, in SD of it, may be animal."""
-_PALE = 0.25
-"""... and at least this share of the contrast between the animal's body and the background."""
-_DARK = 20.0
-"""Background pixels darker than this grey value tell nothing of the light."""
-_GAP_COST = 6.0
-"""Walking through a pixel outside the outline costs so much more than through one inside."""
-_CORE = 0.55
-"""The body is what a disc reaches whose radius is this share of the widest disc inside."""
-LARGEST_PX = 420
-"""Longest side of the animal's box that is looked at without reducing it."""
+from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 
 
 class BackgroundModel(Protocol):
@@ -141,7 +129,7 @@ def find_silhouette(image: ByteArray, background: BackgroundModel) -> Silhouette
     """
     picture = grey(image)
     away = np.abs(picture - _light_change(picture, background.mean) * background.mean)
-    away = cv2.GaussianBlur(away, (0, 0), 0.8)
+    away = cv2.GaussianBlur(away, (0, 0), POSE_PROPOSAL.blur_px)
     low, high = _thresholded(away, background)
     mask, others = _animal_of(low, high)
     if mask is None:
@@ -156,7 +144,7 @@ def find_silhouette(image: ByteArray, background: BackgroundModel) -> Silhouette
         size = (share.shape[1] // shrink, share.shape[0] // shrink)
         share = np.asarray(cv2.resize(share, size, interpolation=cv2.INTER_AREA), np.float32)
         signal = cv2.resize(signal, size, interpolation=cv2.INTER_AREA)
-    part = share > 0.35
+    part = share > POSE_PROPOSAL.grid_share
     depth = cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, 5)
     core = _core_of(_sharp_depth(part, depth, signal))
     if not core.any():
@@ -187,9 +175,11 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
     list of LimbOutline
         The limbs.
     """
-    middle = outline.depth / np.maximum(cv2.dilate(outline.depth, np.ones((7, 7))), 1e-6)
-    cost = np.where(outline.mask, 1.0 + 1.5 * (1.0 - middle) ** 2, _GAP_COST)
-    cost[outline.core] = 0.05  # the way may begin anywhere on the body
+    p = POSE_PROPOSAL
+    window = np.ones((p.limb_window_px, p.limb_window_px))
+    middle = outline.depth / np.maximum(cv2.dilate(outline.depth, window), 1e-6)
+    cost = np.where(outline.mask, 1.0 + p.edge_cost * (1.0 - middle) ** 2, p.gap_cost)
+    cost[outline.core] = p.body_cost  # the way may begin anywhere on the body
     walk = MCP_Geometric(cost)
     far, _ = walk.find_costs(np.argwhere(outline.core))
     open_ = outline.mask & ~outline.core & np.isfinite(far)
@@ -206,7 +196,8 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
         paint = np.zeros(far.shape, np.uint8)
         cv2.polylines(paint, [way[:, ::-1].astype(np.int32).reshape(-1, 1, 2)], False, 1)
         away = cv2.distanceTransform(1 - paint, cv2.DIST_L2, 5)
-        width = 1.6 * float(np.median(outline.depth[way[:, 0], way[:, 1]])) + 1.5
+        usual = float(np.median(outline.depth[way[:, 0], way[:, 1]]))
+        width = p.limb_width * usual + p.limb_width_px
         covered |= away <= width
         open_ &= ~covered
         if own >= shortest:
@@ -219,24 +210,25 @@ def _sharp_depth(part: np.ndarray, depth: np.ndarray, signal: np.ndarray) -> Flo
 
     The mask reaches further, to where the picture begins to differ, so as to hold pale tips.
     """
-    size = 2 * max(1, int(0.35 * float(depth.max()))) + 1
+    size = 2 * max(1, int(POSE_PROPOSAL.sharp_around * float(depth.max()))) + 1
     around = cv2.dilate(signal, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size)))
-    sharp = part & (signal > 0.5 * around)
+    sharp = part & (signal > POSE_PROPOSAL.sharp_share * around)
     closed = cv2.morphologyEx(sharp.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
     return np.asarray(cv2.distanceTransform(closed, cv2.DIST_L2, 5))
 
 
 def _thresholded(away: Float32Array, background: BackgroundModel) -> tuple[BoolArray, BoolArray]:
     """Return where the picture may be animal, and where it surely is."""
-    noise = max(float(np.median(background.sd)), 0.5)
-    floor = _NOISE_SDS * np.sqrt(background.sd**2 + noise**2) * 0.6  # blurring halves the noise
-    candidates = away[away > np.maximum(floor, 1.5 * _NOISE_SDS * noise)]
-    if candidates.size < 20:
+    p = POSE_PROPOSAL
+    noise = max(float(np.median(background.sd)), p.noise_least)
+    floor = p.noise_sds * np.sqrt(background.sd**2 + noise**2) * p.blur_noise
+    candidates = away[away > np.maximum(floor, p.surely_animal * p.noise_sds * noise)]
+    if candidates.size < p.pixels_least:
         empty = np.zeros(away.shape, dtype=bool)
         return empty, empty
-    contrast = float(np.percentile(candidates, 90))
-    low = away > np.maximum(floor, _PALE * contrast)
-    return low, low & (away > 0.6 * contrast)
+    contrast = float(np.percentile(candidates, p.contrast_percentile))
+    low = away > np.maximum(floor, p.pale * contrast)
+    return low, low & (away > p.dark * contrast)
 
 
 def _light_change(picture: Float32Array, mean: Float32Array) -> np.ndarray:
@@ -246,16 +238,17 @@ def _light_change(picture: Float32Array, mean: Float32Array) -> np.ndarray:
     shadow that sweeps over the scene changes many, the animal few.
     """
     height, width = mean.shape
-    size = max(8, min(height, width) // 12)
+    p = POSE_PROPOSAL
+    size = max(p.light_block_px, min(height, width) // p.light_blocks)
     rows, columns = max(1, height // size), max(1, width // size)
-    lit = mean > _DARK
+    lit = mean > p.unlit_grey
     ratio = np.where(lit, picture / np.maximum(mean, 1.0), np.nan)[::2, ::2]
     whole = float(np.median(ratio[np.isfinite(ratio)])) if lit[::2, ::2].any() else 1.0
     blocks = np.full((rows, columns), whole, np.float32)
     for i, band in enumerate(np.array_split(ratio, rows)):
         for j, block in enumerate(np.array_split(band, columns, axis=1)):
             known = block[np.isfinite(block)]
-            if known.size > 0.3 * block.size:
+            if known.size > p.light_known * block.size:
                 blocks[i, j] = np.median(known)
     if min(rows, columns) >= 3:
         blocks = cv2.medianBlur(blocks, 3)
@@ -264,7 +257,8 @@ def _light_change(picture: Float32Array, mean: Float32Array) -> np.ndarray:
 
 def _animal_of(low: BoolArray, high: BoolArray) -> tuple[BoolArray | None, float]:
     """Return the largest thing, with pieces beside it, and the size of the next as a share."""
-    joined = cv2.morphologyEx(low.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
+    size = (POSE_PROPOSAL.closing_px, POSE_PROPOSAL.closing_px)
+    joined = cv2.morphologyEx(low.astype(np.uint8), cv2.MORPH_CLOSE, np.ones(size, np.uint8))
     n, labels = cv2.connectedComponents(joined)
     areas = np.bincount(labels[high], minlength=n)
     areas[0] = 0
@@ -281,9 +275,9 @@ def _box_of(
     """Return a box round the pixels with a margin, a multiple of the factor to reduce it by."""
     longest = max(np.ptp(u), np.ptp(v)) + 1
     shrink = 1
-    while longest / shrink > LARGEST_PX:
+    while longest / shrink > POSE_PROPOSAL.largest_px:
         shrink *= 2
-    margin = 6 * shrink
+    margin = POSE_PROPOSAL.margin_px * shrink
     height, width = shape
     u0, v0 = max(int(u.min()) - margin, 0), max(int(v.min()) - margin, 0)
     u1, v1 = min(int(u.max()) + margin + 1, width), min(int(v.max()) + margin + 1, height)
@@ -292,7 +286,7 @@ def _box_of(
 
 def _core_of(depth: Float32Array) -> BoolArray:
     """Return the mask without its thin parts: opened by a disc, the largest piece."""
-    radius = _CORE * float(depth.max())
+    radius = POSE_PROPOSAL.core_share * float(depth.max())
     seeds = (depth <= radius).astype(np.uint8)
     core = cv2.distanceTransform(seeds, cv2.DIST_L2, 5) < radius
     n, labels, stats, _ = cv2.connectedComponentsWithStats(core.astype(np.uint8))

@@ -7,12 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.maghsoudi2019.template import (
     KindTemplate,
     StrideTemplate,
     average_strides,
     cut_strides,
     load_template,
+    lowpass_path,
 )
 from pawnb.core.paws.maghsoudi2019.template_fit import fit_template
 from pawnb.errors import InputError
@@ -71,6 +73,14 @@ def test_strides_with_predicted_frames_are_left_out():
     assert len(gap["front"].uv) == len(whole["front"].uv) - 1
     np.testing.assert_allclose(gap["front"].uv.mean(axis=0), whole["front"].uv.mean(axis=0),
                                atol=0.01)  # fmt: skip
+
+
+def test_gaps_are_bridged_as_long_as_is_set():
+    path = walking()["image_position"].to_numpy()[:, 0, :, 0, 0].copy()
+    path[100:103] = np.nan
+    assert np.isfinite(lowpass_path(path, cutoff_hz=30.0, fps=FPS)).all()
+    with parameters_set({"maghsoudi2019": {"template_gap": 2}}):
+        assert np.isnan(lowpass_path(path, cutoff_hz=30.0, fps=FPS)[100:103]).all()
 
 
 def hidden_in_every_stride(origin):
