@@ -11,7 +11,7 @@ import numpy as np
 from pawnb.core.dlt import fit_dlt, project
 from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
 from pawnb.io.cameras_out import write_cameras, write_opencv_cameras
-from pawnb.io.coefs import read_coefs, write_coefs
+from pawnb.io.coefs import read_coefs
 from pawnb.workflow.calibration.calibrate_file import calibrate_from_file
 
 
@@ -92,7 +92,7 @@ def pose2sim(folder: Path) -> tuple[str, str]:
 
 
 def xmalab(folder: Path) -> tuple[str, str]:
-    """By OpenCV's projection, of a MayaCam file made after XMALab's own description."""
+    """By OpenCV's projection, of a MayaCam file laid out as XMALab's source writes it."""
     angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
     K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
     path = folder / "a.txt"
@@ -101,30 +101,46 @@ def xmalab(folder: Path) -> tuple[str, str]:
         "rotation": cv2.Rodrigues(angle)[0].tolist(), "translation": t.reshape(3, 1).tolist(),
     }  # fmt: skip
     path.write_text("".join(
-        f"{head}\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n\n"
+        f"{head}\n" + "\n".join(",".join(f"{x:.12g}" for x in row) for row in rows) + "\n\n"
         for head, rows in parts.items()
     ))  # fmt: skip
     xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
     (camera,) = read_cameras(path)
     expected = cv2.projectPoints(xyz, angle, t, K, np.zeros(4))[0][:, 0]
-    return f"{np.abs(shown(camera, xyz) - expected).max():.1g} (described)", "-"
+    return f"{np.abs(shown(camera, xyz) - expected).max():.1g} (source)", "-"
 
 
-def coefficients(folder: Path, program: str) -> tuple[str, str]:
-    """DLT coefficients of points as a program counts its pixels; the other way there is none."""
+def coefficients(
+    folder: Path, program: str, *, digits: int = 17, known_from: str = "described"
+) -> tuple[str, str]:
+    """Read DLT coefficients of points as a program counts its pixels; none are written for it.
+
+    Parameters
+    ----------
+    folder : Path
+        Where files go.
+    program : str
+        As for ``pawnb calibrate --from``.
+    digits : int
+        Significant digits that the program writes.
+    known_from : str
+        How it is known what the program writes.
+    """
     K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
     angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
     xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
     uv = cv2.projectPoints(xyz, angle, t, K, np.zeros(4))[0][:, 0]
     moved = {
         "dltdv": uv + 1.0,
+        "xmalab": np.column_stack([uv[:, 0] + 1.0, 480.0 - uv[:, 1]]),
         "easywand": np.column_stack([uv[:, 0] + 1.0, 480.0 - uv[:, 1]]),
         "argus": np.column_stack([uv[:, 0], 480.0 - uv[:, 1]]),
     }[program]
-    write_coefs(fit_dlt(xyz, moved).coefs[:, None], folder / "theirs.csv")
+    lines = [f"{x:.{digits}g}" for x in fit_dlt(xyz, moved).coefs]
+    (folder / "theirs.csv").write_text("\n".join(lines) + "\n")
     heights = None if program == "dltdv" else [480]
     calibrate_from_file(
         folder / "theirs.csv", out=folder / "ours.csv", program=program, heights_px=heights
     )
     ours = read_coefs(folder / "ours.csv", ["cam1"])
-    return f"{np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max():.1g} (described)", "-"
+    return f"{np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max():.1g} ({known_from})", "-"

@@ -5,10 +5,11 @@
 One recording of two animals, four points and 60 frames is drawn from formulas, with a gap. Each row
 says how far, at most, a coordinate is off: *read* is what pawnb reads of a file that the other
 library wrote, *write* what the other library reads of a file that pawnb wrote. Where no library of
-the program is at hand, pawnb reads what it wrote itself (own), or a file made after the program's
-description (described), which is marked. In px, or mm in space; 0 is exact, 1e-5 is single
-precision; - is not written. ``--out docs/accuracy/formats.csv`` writes the table that
-docs/guide/formats.md shows.
+the program is at hand, pawnb reads what it wrote itself (own), a file made after the program's
+description (described) or as its public source code writes it (source), or files that its authors
+published (their files, in the folder $PAWNB_TEST_DATA); which is marked. In px, or mm in space; 0
+is exact, 1e-5 is single precision; - is not written. ``--out docs/accuracy/formats.csv`` writes the
+table that docs/guide/formats.md shows.
 """
 
 from __future__ import annotations
@@ -27,56 +28,10 @@ import pandas as pd
 import scipy.io
 import xarray as xr
 from format_cameras import aniposelib, coefficients, opencv, pose2sim, xmalab
+from format_recording import ANIMALS, FPS, POINTS, N, off, places, recording, tracks_of
+from format_sources import authors2019, authors2019_files, dltdv_sparse, own, xmalab_markers
 
 from pawnb.io.formats import read_any_tracks, write_any_tracks
-from pawnb.io.points import build_tracks
-from pawnb.schema import Tracks
-
-FPS, N = 100.0, 60
-POINTS, ANIMALS = ["FR", "HR", "FL", "HL"], ["m1", "m2"]
-
-
-def recording(n_animals: int = 2, *, space: bool = False) -> np.ndarray:
-    """Return positions (frames, points, animals, axes) of the recording; HR is lost for a while."""
-    t, k = np.arange(N)[:, None] / FPS, np.arange(4)
-    u = 200 + 60 * np.sin(2 * np.pi * 3 * t + 1.5 * k) + 40 * k
-    v = 300 + 5 * np.cos(2 * np.pi * 3 * t + k)
-    parts = [u / 10, v / 10, 2 + 0 * u] if space else [u, v]
-    place = np.stack(parts, axis=-1)[:, :, None] + 50.0 * np.arange(n_animals)[:, None]
-    place[10:13, 1] = np.nan
-    return place
-
-
-def tracks_of(place: np.ndarray, *, views: int = 0) -> Tracks:
-    """Return a recording as Tracks; with views, seen alike by several."""
-    n_animals = place.shape[2]
-    values = np.repeat(place[:, None], views, axis=1) if views else place
-    return build_tracks(
-        np.arange(N), values, np.full(values.shape[:-1], 0.9), points=POINTS, fps=FPS,
-        unit="px" if place.shape[-1] == 2 else "mm", program="pawnb", where="benchmark",
-        individuals=ANIMALS[:n_animals] if n_animals > 1 else ["animal"],
-        views=[f"cam{i + 1}" for i in range(views)],
-    )  # fmt: skip
-
-
-def places(tracks: Tracks) -> np.ndarray:
-    """Return positions in the order of :func:`recording`; of several views, those of the first."""
-    own = tracks.sel(keypoint=POINTS)
-    if "view" in own.dims:
-        first = own["image_position"].isel(view=0)
-        return first.transpose("time", "keypoint", "individual", "image_space").to_numpy()
-    return own["position"].transpose("time", "keypoint", "individual", "space").to_numpy()
-
-
-def off(found: np.ndarray, true: np.ndarray) -> str:
-    """Return the largest error; what is missing in one of the two only is said."""
-    found, true = np.asarray(found, float), np.asarray(true, float)
-    lost = np.isnan(true).any(axis=-1)
-    if found.shape != true.shape:
-        return f"shape {found.shape}"
-    if not np.isnan(found[lost]).all() or np.isnan(found[~lost]).any():
-        return "gap lost"
-    return f"{np.abs(found - true)[~lost].max():.1g}"
 
 
 def need(*names: str) -> list[Any]:
@@ -262,18 +217,6 @@ def c3d(folder: Path) -> tuple[str, str]:
     return read, off(found, true)
 
 
-def own(folder: Path, program: str, name: str, **more: Any) -> tuple[str, str]:
-    """Of programs that have no library: pawnb reads what it wrote."""
-    space = program.endswith("3d")
-    true = recording(1, space=space)
-    points = [f"pt{k + 1}" for k in range(4)] if program.startswith("dltdv") else POINTS
-    tracks = tracks_of(true, views=0 if space else 2).assign_coords(keypoint=points)
-    (ours,) = write_any_tracks(tracks, folder / name, program=program, **more)
-    found = read_any_tracks(ours, fps=FPS, **more).assign_coords(keypoint=POINTS)
-    said = off(places(found), true)
-    return f"{said} (own)", f"{said} (own)"
-
-
 # --- formats that are read only -------------------------------------------------------------------
 
 
@@ -293,33 +236,6 @@ def locomouse(folder: Path) -> tuple[str, str]:
     return off(bottom.transpose("time", "keypoint", "image_space").to_numpy(), true), "-"
 
 
-def authors2019(folder: Path) -> tuple[str, str]:
-    """Four files in the layout of the 2019 authors: Y before X, cameras 3 and 4 mirrored."""
-    true = recording(1)[:, :, 0]
-    stamp, worst = "2020-01-02_03_04_05", []
-    for cam, side in ((1, "L"), (3, "R")):
-        for part, n in (("f", 3), ("h", 5)):
-            foot = true[:, POINTS.index(f"{part.upper()}{side}")]
-            u = foot[:, 0] if cam == 1 else 2047.0 - foot[:, 0]
-            names = [f"cam{cam}/frame{i:05d}.png" for i in range(N)]
-            columns = {"Frames": np.arange(N), "First Camera Frames Name": names,
-                       "Second Camera Frames Name": names}  # fmt: skip
-            for k, letter in enumerate("MNOPQ"[:n]):  # the foot is the last marker of a leg
-                for second in ("", "2"):
-                    still = np.full(N, 100.0)
-                    columns[f"Y Coordinate {letter}{second}"] = foot[:, 1] if k == n - 1 else still
-                    columns[f"X Coordinate {letter}{second}"] = u if k == n - 1 else still
-            text = "setting\n" * 5 + pd.DataFrame(columns).to_csv(index=False)
-            (folder / f"cam{cam}.{part}.rat.walk.{stamp}.csv").write_text(text)
-    tracks = read_any_tracks(folder / f"cam1.f.rat.walk.{stamp}.csv", fps=FPS)
-    views = {"L": ("cam1", "cam2"), "R": ("cam3", "cam4")}
-    for k, name in enumerate(POINTS):
-        for view in views[name[-1]]:
-            own = tracks["image_position"].sel(view=view, keypoint=name).isel(individual=0)
-            worst.append(off(own.transpose("time", "image_space").to_numpy(), true[:, k]))
-    return ("0" if set(worst) == {"0"} else max(worst)) + " (described)", "-"
-
-
 ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
     ("DeepLabCut csv", "pandas", lambda f: deeplabcut(f, ".csv", 1)),
     ("DeepLabCut h5", "pandas, PyTables", lambda f: deeplabcut(f, ".h5", 1)),
@@ -336,19 +252,30 @@ ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
     ("Anipose 3D csv", "movement", anipose),
     ("C3D", "ezc3d", c3d),
     ("DLTdv xypts", "none", lambda f: own(f, "dltdv", "a_xypts.csv")),
-    ("DLTdv xypts sparse", "none", lambda f: own(f, "dltdv", "a_xypts.tsv")),
+    ("DLTdv 8 xypts sparse", "none", lambda f: dltdv_sparse(f, "xypts")),
     ("DLTdv 7 xypts", "none", lambda f: own(f, "dltdv", "b_xypts.csv", heights_px=[480, 480])),
     ("DLTdv xyzpts", "none", lambda f: own(f, "dltdv-3d", "a_xyzpts.csv")),
-    ("DLTdv xyzpts sparse", "none", lambda f: own(f, "dltdv-3d", "a_xyzpts.tsv")),
+    ("DLTdv 8 xyzpts sparse", "none", lambda f: dltdv_sparse(f, "xyzpts")),
+    ("XMALab 3D points csv", "none", xmalab_markers),
     ("Argus xypts", "none", lambda f: own(f, "argus", "a-xypts.csv", heights_px=[480])),
     ("Argus xyzpts", "none", lambda f: own(f, "argus-3d", "a-xyzpts.csv")),
     ("LocoMouse mat", "scipy", locomouse),
     ("2019 authors' csv", "none", authors2019),
+    ("2019 authors' trials", "none", authors2019_files),
     ("Anipose calibration.toml", "aniposelib", aniposelib),
     ("OpenCV yaml", "OpenCV", opencv),
     ("Pose2Sim toml", "Pose2Sim", pose2sim),
     ("XMALab MayaCam txt", "OpenCV", xmalab),
-    ("DLTdv 8 DLTcoefs", "OpenCV", lambda f: coefficients(f, "dltdv")),
+    (
+        "XMALab DLT csv",
+        "OpenCV",
+        lambda f: coefficients(f, "xmalab", digits=12, known_from="source"),
+    ),
+    (
+        "DLTdv 8 DLTcoefs",
+        "OpenCV",
+        lambda f: coefficients(f, "dltdv", digits=5, known_from="source"),
+    ),
     ("easyWand, DLTdv 7 DLTcoefs", "OpenCV", lambda f: coefficients(f, "easywand")),
     ("Argus DLTcoefs", "OpenCV", lambda f: coefficients(f, "argus")),
 ]

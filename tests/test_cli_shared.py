@@ -98,6 +98,22 @@ def test_quiet_says_errors_only_and_verbose_where_they_arose(capsys):
     assert "Traceback" in capsys.readouterr().err
 
 
+def test_flags_may_stand_before_the_command(tmp_path, capsys):
+    (tmp_path / "trial.toml").write_text(TRIAL)
+    assert cli.main(["-q", "check", "nowhere"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+    assert cli.main(["--verbose", "check", "nowhere"]) == 2
+    assert "Traceback" in capsys.readouterr().err
+    assert cli.main(["--json", "check", str(tmp_path)]) == 2
+    assert json.loads(capsys.readouterr().out)["trial"] == "t"
+    with pytest.raises(SystemExit):
+        cli.main(["-v", "-q", "check", "nowhere"])
+    assert "not allowed with argument" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        cli.main(["-v"])
+    assert "required: COMMAND" in capsys.readouterr().err
+
+
 def test_how_much_is_said_is_no_part_of_the_record():
     assert of_results(["gait", "x", "-q", "--json", "--fps", "9"]) == ["gait", "x", "--fps", "9"]
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 
 from pawnb.cli.arguments import EXIT_BAD_INPUT, build_parser
 from pawnb.cli.output import readers_may_leave
-from pawnb.cli.shared import of_results
+from pawnb.cli.shared import command_first, of_results
 from pawnb.errors import InputWarning, PawnbError, QualityWarning
 
 __all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
@@ -50,7 +50,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _main(words: list[str]) -> int:
     """Run one command and print the notes of it."""
-    options = build_parser().parse_args(words)
+    options = build_parser().parse_args(command_first(words))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", InputWarning)
         with contextlib.redirect_stdout(None) if options.quiet else contextlib.nullcontext():

@@ -49,7 +49,11 @@ class _Parser(argparse.ArgumentParser):
 
 def build_parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
-    parser = _Parser(prog="pawnb", description="Video of a running animal to gait statistics.")
+    parser = _Parser(
+        prog="pawnb",
+        description="Video of a running animal to gait statistics.",
+        epilog="-q (errors only), -v (where an error arose), --json: before or behind the command.",
+    )
     parser.add_argument("--version", action="version", version=f"pawnb {pawnb.__version__}")
     parsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     _add_open(parsers)

@@ -72,7 +72,7 @@ def add_calibrate(parsers: Any) -> None:
     file = command.add_argument_group("from another program")
     file.add_argument(
         "--from", dest="program", metavar="PROGRAM",
-        help="whose DLT coefficients FILE holds: dltdv (8), dltdv7, easywand or argus",
+        help="whose DLT coefficients FILE holds: dltdv (8), dltdv7, easywand, argus or xmalab",
     )  # fmt: skip
     file.add_argument(
         "--heights", type=int, nargs="+", metavar="PX",

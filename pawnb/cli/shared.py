@@ -40,6 +40,23 @@ def add_shared_options(commands: Mapping[str, argparse.ArgumentParser]) -> None:
             command.add_argument("--json", action="store_true", help="print JSON instead of words")
 
 
+def command_first(words: list[str]) -> list[str]:
+    """Put ``-q``, ``-v`` and ``--json`` behind the command, also where they stand before it.
+
+    Parameters
+    ----------
+    words : list of str
+        Words after ``pawnb``.
+
+    Returns
+    -------
+    list of str
+        The same words, in the order that the parser knows.
+    """
+    at = next((i for i, word in enumerate(words) if word not in _SHOWN_ONLY), len(words))
+    return [*words[at : at + 1], *words[:at], *words[at + 1 :]]
+
+
 def of_results(words: list[str]) -> list[str]:
     """Return a command line without what shapes no result: how much is said, and in which form."""
     return [word for word in words if word not in _SHOWN_ONLY]

@@ -3,7 +3,8 @@
 DLTdv 8 also writes both sparse (``.tsv``): the names of the columns, then the numbers of rows, of
 columns and of values, then row, column and value of each point, counted from 1. Beside them lie
 ``...offsets.csv``, how many frames each camera runs ahead, and ``...xyzres.csv``, DLTdv's
-algebraic residual of each point.
+algebraic residual of each point. XMALab exports its markers with the same columns, those in space
+with a column ``Frame`` before them where only some frames are saved.
 """
 
 from __future__ import annotations
@@ -24,7 +25,9 @@ from pawnb.schema import Tracks
 
 _SPACE = re.compile(r"(?P<point>.+)_(?P<axis>[XYZ])")
 _IMAGE = re.compile(r"(?P<point>.+)_cam(?P<view>\d+)_(?P<axis>[XY])")
-_FRAME = "frame0"
+_FRAME_COLUMNS = {"frame0": 0, "Frame": 1}
+"""Columns that number frames, and what they call the first: XMALab's ``Frame`` begins at 1."""
+
 _SPARSE_CELL = re.compile(
     r"(\d{1,9})\s+(\d{1,9})\s+([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)"
 )
@@ -46,8 +49,8 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     ----------
     path : str or Path
         ``...xyzpts.csv`` with columns ``<point>_X, _Y, _Z``; a row a frame, or a column
-        ``frame0`` with the frame's number; or the sparse ``.tsv``. Where ``...xyzres`` lies beside
-        it, its residuals are kept as ``dltres``.
+        ``frame0`` (or XMALab's ``Frame``, from 1) with its number; or the sparse ``.tsv``. Where
+        ``...xyzres`` lies beside it, its residuals are kept as ``dltres``.
     fps : float
         Frames per second of the recording.
     unit : str
@@ -205,11 +208,12 @@ def _read(path: str | Path) -> tuple[IntArray, pd.DataFrame]:
         {
             name: read_numbers(cells, name, where=where, empty=True)
             for name in map(str, cells)
-            if name != _FRAME
+            if name not in _FRAME_COLUMNS
         }
     )
-    if _FRAME in cells:
-        return read_numbers(cells, _FRAME, where=where, whole=True), table
+    for name, first in _FRAME_COLUMNS.items():
+        if name in cells:
+            return read_numbers(cells, name, where=where, whole=True) - first, table
     return np.arange(len(table)), table
 
 

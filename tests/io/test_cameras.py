@@ -72,6 +72,7 @@ def opencv(path, nested):
 
 
 def mayacam(folder):
+    """As Camera::saveMayaCamVersion2 of XMALab's source lays it out: 12 digits."""
     paths = []
     for name in RVEC:
         parts = {
@@ -82,7 +83,8 @@ def mayacam(folder):
         }
         text = ""
         for head, rows in parts.items():
-            text += head + "\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n\n"
+            text += head + "\n" + "\n".join(",".join(f"{x:.12g}" for x in row) for row in rows)
+            text += "\n\n"
         paths.append(folder / f"{name}.txt")
         paths[-1].write_text(text)
     return paths
@@ -177,6 +179,27 @@ def test_the_command_takes_over_cameras_and_lenses(tmp_path, capsys):
     assert capsys.readouterr().err == "pawnb: no camera 'top'; there are left, right.\n"
 
 
+def test_coefficients_of_xmalab_show_points_where_its_mayacam_files_do(tmp_path):
+    """As Camera::getDLT of XMALab's source makes them: two axes of the camera turned round, rows
+    counted from the lower edge, and both from 1; written with 12 digits."""
+    theirs = []
+    for name in RVEC:
+        turned = np.diag([-1.0, 1.0, -1.0])
+        pose = turned @ np.column_stack([cv2.Rodrigues(RVEC[name])[0], T[name]])
+        flipped = K.copy()
+        flipped[1, 2] = (480 - 1) - K[1, 2]
+        P = flipped @ pose
+        theirs.append(np.concatenate([P[0] + P[2], P[1] + P[2], P[2]])[:11] / P[2, 3])
+    text = "\n".join(",".join(f"{x:.12g}" for x in row) for row in np.array(theirs).T)
+    (tmp_path / "MergedDlts_Frame0.csv").write_text(text + "\n")
+    words = ["calibrate", str(tmp_path / "MergedDlts_Frame0.csv"), "--from", "xmalab"]
+    out = tmp_path / "DLTcoefs.csv"
+    assert cli.main([*words, "-o", str(out), "--heights", "480", "--views", "left", "right"]) == 0
+    coefs = read_coefs(out, ["left", "right"])
+    for column, name in zip(coefs.T, RVEC, strict=True):
+        np.testing.assert_allclose(project(column, XYZ)[:, 0], seen(name), atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("program", "move"),
     [
@@ -198,7 +221,7 @@ def test_coefficients_of_a_program_are_moved_to_our_pixels(tmp_path, capsys, pro
     write_coefs(theirs[:, None], tmp_path / "theirs.csv")
     words = ["calibrate", str(tmp_path / "theirs.csv"), "-o", str(tmp_path / "out.csv")]
     assert cli.main(words) == 2
-    assert "say whose with --from dltdv, dltdv7, easywand, argus" in capsys.readouterr().err
+    assert "say whose with --from dltdv, dltdv7, easywand, argus, xmalab" in capsys.readouterr().err
     if program != "dltdv":
         assert cli.main([*words, "--from", program]) == 2
         assert "counts v upwards from the lower edge; give the height" in capsys.readouterr().err

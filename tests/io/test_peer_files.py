@@ -243,6 +243,17 @@ def test_dltdv_7_counts_upwards_and_argus_from_another_corner(peers, tmp_path):
         load_tracks(peers / "argus-xypts.csv", fps=FPS)
 
 
+def test_markers_of_xmalab_keep_their_frames(tmp_path):
+    """As Trial::save3dPoints of XMALab's source writes frames 11 to 13, counted from 1."""
+    text = "Frame,FR_X,FR_Y,FR_Z,HR_X,HR_Y,HR_Z\n11,1.25,2,3,4,5,6\n12,NaN,NaN,NaN,4,5,6.5\n"
+    (tmp_path / "markers.csv").write_text(text + "13,1.5,2,3,4,5,7\n")
+    tracks = load_tracks(tmp_path / "markers.csv", fps=FPS)
+    assert tracks["frame"].to_numpy().tolist() == [10, 11, 12]
+    assert tracks["keypoint"].to_numpy().tolist() == ["FR", "HR"]
+    x = tracks["position"].sel(keypoint="FR", space="x").to_numpy()[:, 0]
+    np.testing.assert_array_equal(x, [1.25, np.nan, 1.5])
+
+
 def test_offsets_and_residuals_of_dltdv_travel_with_the_points(real_data, tmp_path):
     folder = real_data("salticid-4cam-dlt")
     space = load_tracks(folder / "1864_1x_xyzpts.csv", fps=FPS)

@@ -14,9 +14,9 @@ from pawnb.io.cameras import Camera, read_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
 from pawnb.workflow.calibration.written import Written, write_calibration
 
-COEFFICIENTS = ("dltdv", "dltdv7", "easywand", "argus")
-"""Programs that write DLT coefficients: DLTdv 8 counts pixels down from 1, DLTdv 7 and older and
-easyWand up from 1, Argus up from 0."""
+COEFFICIENTS = ("dltdv", "dltdv7", "easywand", "argus", "xmalab")
+"""Programs that write DLT coefficients: DLTdv 8 counts pixels down from 1, DLTdv 7 and older,
+easyWand and XMALab up from 1, Argus up from 0."""
 
 
 def calibrate_from_file(

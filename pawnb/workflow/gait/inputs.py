@@ -9,11 +9,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from pawnb import gait
-from pawnb.errors import InputError
+from pawnb.errors import InputError, did_you_mean
 from pawnb.gait import GaitTables
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.cycles import POSITION
-from pawnb.schema import each_of, shown
+from pawnb.gait.events.event_settings import EventSettings
+from pawnb.schema import build_settings, each_of, shown
 from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.event_sources import choose_event_legs
 from pawnb.workflow.gait.request import GaitRequest, Legs
@@ -53,6 +54,7 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
                 "name nothing beside it."
             )
         study = read_study(studies[0])
+        check_settings(study.settings, where=f"{study.path}: [gait]")
         return [_of_study(trial, study, fps) for trial in study.trials], study
     for name, given in (("animals", animals), ("groups", groups)):
         if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
@@ -60,7 +62,7 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
                 f"{name}: {len(given)} for {len(inputs)} inputs; give the "
                 f"{'id' if name == 'animals' else 'group'} of each input's animal."
             )
-    sources = [read_source(path, fps=fps) for path in inputs]
+    sources = [_of_input(path, fps) for path in inputs]
     if animals is not None:
         sources = [s.of_animal(animal) for s, animal in zip(sources, animals, strict=True)]
     if groups is not None:
@@ -71,9 +73,17 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
     return sources, None
 
 
+def _of_input(path: Any, fps: float | None) -> GaitSource:
+    """Read one input, and check the settings that it has of its own."""
+    own = read_source(path, fps=fps)
+    check_settings(own.settings, where=f"{own.given}: [gait]")
+    return own
+
+
 def _of_study(trial: StudyTrial, study: Study, fps: float | None) -> GaitSource:
     """Read a trial of a study, under what the study calls it."""
-    own = read_source(trial.path, fps=trial.fps or fps).of_animal(trial.animal)
+    check_settings(trial.settings, where=f"{study.path}: gait of {trial.path.name}")
+    own = _of_input(trial.path, trial.fps or fps).of_animal(trial.animal)
     if trial.name is not None:
         own = own.of_name(trial.name)
     compared = trial.condition if study.compare == "condition" else trial.group or own.group
@@ -84,6 +94,36 @@ def _of_study(trial: StudyTrial, study: Study, fps: float | None) -> GaitSource:
         fields={**own.fields, **trial.fields},
         legs=dict(study.legs) or None,
     )
+
+
+def check_settings(values: Mapping[str, Any], *, where: str) -> None:
+    """Refuse settings of the gait analysis that are unknown or wrong, under the file they are in.
+
+    Parameters
+    ----------
+    values : mapping
+        Settings that a file holds: fields of :class:`pawnb.gait.EventSettings`, and ``pairs``.
+    where : str
+        The file and the part of it, for the message.
+
+    Raises
+    ------
+    InputError
+        For an unknown name (a near one is suggested) or a value that cannot be.
+    """
+    known = sorted(["pairs", *(field.name for field in dataclasses.fields(EventSettings))])
+    for name in values:
+        if name not in known:
+            raise InputError(
+                f"{where}: unknown setting {name!r}{did_you_mean(name, known)}; known are "
+                f"{', '.join(known)}."
+            )
+    own = dict(values)
+    try:
+        read_pairs(own.pop("pairs", None))
+        build_settings(EventSettings, own, where="setting")
+    except InputError as error:
+        raise InputError(f"{where}: {error}") from None
 
 
 def read_pairs(value: Any) -> list[tuple[str, str]] | None:

@@ -23,6 +23,7 @@ from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
     describe_trial,
     described_trial,
+    need_sources,
     read_result_tracks,
     results_folder,
     tell_fault,
@@ -140,6 +141,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
     path = Path(path)
     check_rate(fps)
     if path.is_dir():
+        need_sources(path)
         for name in ("trial.toml", "tracks.nc", "events.csv"):
             if (path / name).exists():
                 return read_source(path / name, fps=fps)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -29,6 +30,7 @@ LENGTH = ("body_length", "body_length_mm", "body_length_cm", "carapace_mm", "car
 PARAMETERS = ("speed", "frequency_hz", "stride_length")
 PER_METRE = {"mm": 1000.0, "cm": 100.0, "m": 1.0}
 _FEWEST_ANIMALS = 3
+_STRIDE = "stride"
 _FEWEST_LEGS = 4
 
 
@@ -47,25 +49,39 @@ def trials_table(tables: GaitTables, *, groups: Mapping[Any, str], fields: Field
     Returns
     -------
     pandas.DataFrame
-        ``animal, trial, group``, covariates, ``n_strides`` and ``n_dropped`` strides.
+        ``animal, trial, group``, covariates, ``n_strides``, ``n_dropped`` strides, then a column
+        for each other kind of drop in any of the trials (``n_dropped_phase``, ``n_dropped_pause``,
+        ...): rows of ``dropped.csv``.
     """
+    kinds = tables.dropped["what"].astype(str).map(_kind_of_drop)
+    others = sorted(set(kinds) - {_STRIDE})
+    columns = {"n_dropped": _STRIDE} | {f"n_dropped_{kind}": kind for kind in others}
     rows: list[dict[str, Any]] = []
     for basis in tables.bases:
         who = (str(basis.who["animal"]), str(basis.who["trial"]))
-        counts = []
-        for table in (tables.strides, tables.dropped[tables.dropped["what"] == "stride"]):
-            own = (table["animal"].astype(str) == who[0]) & (table["trial"].astype(str) == who[1])
-            counts.append(int(own.sum()))
+        own = kinds[_of(tables.dropped, who)].value_counts()
         plain = {
             name: value
             for name, value in fields.get(who, {}).items()
             if isinstance(value, str | int | float)
         }
         row = {"animal": who[0], "trial": who[1], "group": groups.get(who, "")}
-        rows.append({**row, **plain, "n_strides": counts[0], "n_dropped": counts[1]})
+        counts = {"n_strides": int(_of(tables.strides, who).sum())}
+        counts |= {name: int(own.get(kind, 0)) for name, kind in columns.items()}
+        rows.append({**row, **plain, **counts})
     table = pd.DataFrame(rows)
-    last = ["n_strides", "n_dropped"]
+    last = ["n_strides", *columns]
     return table[[*(name for name in table if name not in last), *last]]
+
+
+def _of(table: pd.DataFrame, who: tuple[str, str]) -> pd.Series:
+    """Say which rows are of an animal and trial."""
+    return (table["animal"].astype(str) == who[0]) & (table["trial"].astype(str) == who[1])
+
+
+def _kind_of_drop(what: str) -> str:
+    """Return what was dropped as the name of a column; all phases of a leg are one kind."""
+    return re.sub(r"\W+", "_", what.split(" to ", 1)[0]).lower()
 
 
 def tables_of_study(

@@ -29,6 +29,10 @@ from pawnb.workflow.provenance.notes import notes_table
 from pawnb.workflow.reviewing.quality import QUALITY_FILE, assess_quality, quality_text
 
 RESULTS_FOLDER = "results"
+_OF_ANALYSIS = ("events.csv", "strides.csv", "dropped.csv")
+"""Tables that every analysis writes side by side, and nobody who scores events by hand does."""
+
+_MOST_NAMED = 4
 
 RESULT_FILES = {
     "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "notes.csv", QUALITY_FILE, MANIFEST),
@@ -250,6 +254,41 @@ def tell_fault_of_events(path: Path) -> None:
         fault = find_fault(path.parent, run="gait")
         if fault is not None:
             warnings.warn(fault, InputWarning, stacklevel=3)
+
+
+def need_sources(folder: Path) -> None:
+    """Refuse a folder of nothing but gait results: their events tell no filter and no drops.
+
+    Parameters
+    ----------
+    folder : Path
+        A folder that was given to the gait analysis.
+
+    Raises
+    ------
+    InputError
+        If an analysis wrote what is in it and no tracks are there; what it was made from is named.
+    """
+    if any((folder / name).exists() for name in ("trial.toml", "tracks.nc")):
+        return
+    steps = known_files(folder).steps_of("gait")
+    if not steps and not all((folder / name).exists() for name in _OF_ANALYSIS):
+        return
+    command = next((step["command"] for step in steps if step.get("command")), "")
+    asked = f" ({command})" if command else ""
+    raise InputError(
+        f"{folder} holds the results of an analysis{asked} and not what that was made from; name "
+        f"{_sources_of(steps)} instead, or {folder / 'events.csv'} for its events alone."
+    )
+
+
+def _sources_of(steps: list[dict[str, Any]]) -> str:
+    """Name what an analysis was made from, as far as the record says it."""
+    given = [str(name) for step in steps for name in step.get("given") or ()]
+    if not given:
+        return "the trial, the study or the tracks"
+    more = f" and {len(given) - _MOST_NAMED} more" if len(given) > _MOST_NAMED else ""
+    return ", ".join(given[:_MOST_NAMED]) + more
 
 
 def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:

@@ -10,6 +10,7 @@ from pawnb.errors import InputError
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.gait.event_sources import groups_of_events, read_scored_file
 from pawnb.workflow.gait.run import run_gait
+from pawnb.workflow.gait.sources import read_source
 
 TRIAL = """[trial]
 kind = "tracks"
@@ -151,3 +152,24 @@ def test_an_empty_name_and_frames_out_of_order_are_refused(tmp_path):
     path.write_text("frame,LF\n0,1\n2,0\n1,1\n")
     with pytest.raises(InputError, match=r"frame 1 follows frame 2; expected each frame once"):
         read_scored_file(path, fps=100.0)
+
+
+@pytest.mark.slow
+def test_a_folder_of_an_analysis_is_not_taken_for_events_scored_by_hand(tmp_path):
+    """Its events know no filter and no drops: what it was made from is named."""
+    paths = study(tmp_path, column=False)[:1]
+    out = tmp_path / "out"
+    run_gait(paths, fps=100.0, figures="none", out=out, command=["pawnb", "gait", "x.csv"])
+    made_from = f"{tmp_path.name}/{paths[0].name}"
+    said = rf"holds the results of an analysis \(pawnb gait x\.csv\) .* name {made_from} instead"
+    with pytest.raises(InputError, match=said):
+        read_source(out)
+    (out / "provenance.json").unlink()  # as while a run writes there, or in a copy without it
+    with pytest.raises(InputError, match="name the trial, the study or the tracks instead"):
+        read_source(out)
+    assert read_source(out / "events.csv").events is not None
+
+
+def test_a_folder_with_an_events_table_of_a_person_is_read(tmp_path):
+    (tmp_path / "events.csv").write_text("leg,event,time_s\nFR,TD,0.1\nFR,LO,0.2\n")
+    assert len(read_source(tmp_path).events) == 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -9,6 +10,7 @@ import pandas as pd
 import pytest
 
 from pawnb.errors import InputError
+from pawnb.gait import pool
 from pawnb.workflow.gait import study_tables
 from pawnb.workflow.gait.inputs import analyse_source, check_alike, read_pairs, read_sources
 from pawnb.workflow.gait.request import GaitRequest
@@ -129,6 +131,57 @@ def test_settings_by_hand_go_before_the_trials_and_these_before_the_studys(study
     assert analyse_source(two, settings={"min_stance_s": "0.03"}).settings.min_stance_s == 0.03
     pairs = analyse_source(one, settings={"pairs": '[["FR", "FL"]]'}).phases
     assert set(zip(pairs["leg"], pairs["reference"], strict=True)) == {("FR", "FL")}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where"),
+    [
+        ("min_stance_s = 0.01", "min_stanse_s = 0.01", r"study\.toml: \[gait\]: unknown setting "
+         r"'min_stanse_s' \(did you mean 'min_stance_s'\?\)"),
+        ("gait = { min_stance_s", "gait = { min_stanse_s", r"study\.toml: gait of two\.csv: "
+         r"unknown setting 'min_stanse_s' \(did you mean 'min_stance_s'\?\)"),
+        ("[gait]", '[gait]\npair = [["FR", "FL"]]', r"study\.toml: .* \(did you mean 'pairs'\?\)"),
+        ("min_stance_s = 0.01", "min_stance_s = -1", r"study\.toml: \[gait\]: .*min_stance_s"),
+        ("[gait]", '[gait]\npairs = "FL"', r"study\.toml: \[gait\]: setting pairs is 'FL'"),
+    ],
+)  # fmt: skip
+def test_a_wrong_setting_names_the_file_it_stands_in(study, old, new, where):
+    study.write_text(STUDY.replace(old, new))
+    with pytest.raises(InputError, match=where):
+        read_sources(GaitRequest(inputs=study))
+
+
+def test_a_wrong_setting_of_a_trial_of_a_study_names_its_trial_toml(tmp_path):
+    scored(tmp_path / "e.csv")
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nfps = 200.0\n[animal]\nid = "m1"\n[tracks]\nfile = "e.csv"\n'
+        "[gait]\ncutof_hz = 9.0\n"
+    )
+    (tmp_path / "study.csv").write_text("file,animal\ntrial.toml,m1\n")
+    with pytest.raises(InputError, match=r"trial\.toml: \[gait\]: .*did you mean 'cutoff_hz'"):
+        read_sources(GaitRequest(inputs=tmp_path / "study.csv"))
+
+
+def test_every_kind_of_drop_is_counted_in_trials_csv(tmp_path):
+    """One stride, two pauses, two phases and one extreme position of m1; nothing of m2."""
+    parts = [
+        analyse_source(read_source(scored(tmp_path / f"{name}.csv")).of_animal(name))
+        for name in ("m1", "m2")
+    ]
+    tables = pool(parts)
+    who = {"animal": "m1", "trial": "m1", "leg": "FR", "start_s": 0.0, "end_s": 1.0, "why": "x"}
+    kinds = ["stride", "pause", "pause", "phase to FL", "phase to HR", "AEP and PEP"]
+    dropped = pd.DataFrame([{**who, "what": kind} for kind in kinds])
+    table = study_tables.trials_table(
+        dataclasses.replace(tables, dropped=dropped), groups={}, fields={}
+    )
+    counted = table.set_index("animal").loc[:, "n_strides":]
+    assert counted.loc["m1"].to_dict() == {
+        "n_strides": 10, "n_dropped": 1, "n_dropped_aep_and_pep": 1, "n_dropped_pause": 2,
+        "n_dropped_phase": 2,
+    }  # fmt: skip
+    assert counted.loc["m2"].tolist() == [10, 0, 0, 0, 0]
+    assert counted.dtypes.astype(str).eq("int64").all()
 
 
 @pytest.mark.parametrize("value", ["FL", '["FL", "FR"]', "[[1, 2]]", [], 3])

@@ -9,11 +9,9 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.errors import InputError
 from pawnb.figures.measure_heat_map import say_measure
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.files import write_whole
-from pawnb.schema import each_of
 from pawnb.workflow.gait.request import GaitRequest, Legs
 from pawnb.workflow.gait.run import GaitRun, carry_out
 from pawnb.workflow.gait.statistics import length_unit
@@ -73,8 +71,6 @@ def write_report(
     InputError
         As :func:`pawnb.run_gait`, and for a folder that holds nothing but results of an analysis.
     """
-    for path in each_of(inputs, what="inputs"):
-        _need_sources(Path(path))
     request = GaitRequest(inputs=inputs, fps=fps, legs=legs, settings=settings)
     alone = isinstance(inputs, str | Path) and Path(inputs).is_file()
     beside = Path(inputs).parent if alone and isinstance(inputs, str | Path) else Path()
@@ -83,19 +79,6 @@ def write_report(
         run = carry_out(request, out=folder, command=command)
         write_whole(target, report_page(run).encode())
     return target
-
-
-def _need_sources(folder: Path) -> None:
-    """Refuse a folder of nothing but gait results: their events tell no filter and no drops."""
-    manifest = read_manifest(folder) if folder.is_dir() else None
-    if manifest is None or "tracks.nc" in manifest.files or not manifest.steps_of("gait"):
-        return
-    command = next((step["command"] for step in manifest.steps_of("gait") if step["command"]), "")
-    asked = f" ({command})" if command else ""
-    raise InputError(
-        f"{folder} holds the results of an analysis{asked} and not what that was made from; name "
-        "the study or the tracks, and their methods are told in full."
-    )
 
 
 def report_page(run: GaitRun) -> str:

@@ -8,7 +8,7 @@ FILES = {
     "phases.csv": "one row a stride and pair of legs",
     "phase_summary.csv": "mean phases with intervals and tests; the pattern of each pair",
     "dropped.csv": "what was left out, and why",
-    "trials.csv": "who was analysed: groups, covariates, strides",
+    "trials.csv": "who was analysed: groups, covariates, strides, what was dropped",
     "animals.csv": "every measure, leg by leg, counting animals",
     "groups.csv": "differences between groups or conditions, with intervals",
     "curve_clusters.csv": "stretches of the stride in which curves differ between groups",

@@ -1,0 +1,109 @@
+"""Formats without a library: files as their programs write them. See ``formats.py``."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from format_recording import FPS, POINTS, N, off, places, recording, tracks_of
+
+from pawnb.io.formats import read_any_tracks, write_any_tracks
+
+
+def own(folder: Path, program: str, name: str, **more: Any) -> tuple[str, str]:
+    """Of programs that have no library: pawnb reads what it wrote."""
+    space = program.endswith("3d")
+    true = recording(1, space=space)
+    points = [f"pt{k + 1}" for k in range(4)] if program.startswith("dltdv") else POINTS
+    tracks = tracks_of(true, views=0 if space else 2).assign_coords(keypoint=points)
+    (ours,) = write_any_tracks(tracks, folder / name, program=program, **more)
+    found = read_any_tracks(ours, fps=FPS, **more).assign_coords(keypoint=POINTS)
+    said = off(places(found), true)
+    return f"{said} (own)", f"{said} (own)"
+
+
+def authors2019(folder: Path) -> tuple[str, str]:
+    """Four files in the layout of the 2019 authors: Y before X, cameras 3 and 4 mirrored."""
+    true = recording(1)[:, :, 0]
+    stamp, worst = "2020-01-02_03_04_05", []
+    for cam, side in ((1, "L"), (3, "R")):
+        for part, n in (("f", 3), ("h", 5)):
+            foot = true[:, POINTS.index(f"{part.upper()}{side}")]
+            u = foot[:, 0] if cam == 1 else 2047.0 - foot[:, 0]
+            names = [f"cam{cam}/frame{i:05d}.png" for i in range(N)]
+            columns = {"Frames": np.arange(N), "First Camera Frames Name": names,
+                       "Second Camera Frames Name": names}  # fmt: skip
+            for k, letter in enumerate("MNOPQ"[:n]):  # the foot is the last marker of a leg
+                for second in ("", "2"):
+                    still = np.full(N, 100.0)
+                    columns[f"Y Coordinate {letter}{second}"] = foot[:, 1] if k == n - 1 else still
+                    columns[f"X Coordinate {letter}{second}"] = u if k == n - 1 else still
+            text = "setting\n" * 5 + pd.DataFrame(columns).to_csv(index=False)
+            (folder / f"cam{cam}.{part}.rat.walk.{stamp}.csv").write_text(text)
+    tracks = read_any_tracks(folder / f"cam1.f.rat.walk.{stamp}.csv", fps=FPS)
+    views = {"L": ("cam1", "cam2"), "R": ("cam3", "cam4")}
+    for k, name in enumerate(POINTS):
+        for view in views[name[-1]]:
+            own = tracks["image_position"].sel(view=view, keypoint=name).isel(individual=0)
+            worst.append(off(own.transpose("time", "image_space").to_numpy(), true[:, k]))
+    return ("0" if set(worst) == {"0"} else max(worst)) + " (described)", "-"
+
+
+def authors2019_files(folder: Path) -> tuple[str, str]:
+    """Read the trials that the 2019 authors published, against their columns and formulas.
+
+    Their own programs take u = X, or 2048 - X of cameras 3 and 4, whose pictures they mirrored:
+    2047 - X from the centre of the first pixel.
+    """
+    del folder
+    data = Path(os.environ["PAWNB_TEST_DATA"]) / "rat-4cam-tracks"
+    worst = 0.0
+    for path in sorted(data.glob("cam1.f.*.csv")):
+        tracks = read_any_tracks(path, fps=FPS)["image_position"].isel(individual=0)
+        for cam, part, point, letter in ((1, "f", "FL", "O"), (1, "h", "HL", "Q"),
+                                         (3, "f", "FR", "O"), (3, "h", "HR", "Q")):  # fmt: skip
+            name = path.name.replace("cam1.f", f"cam{cam}.{part}")
+            theirs = pd.read_csv(data / name, skiprows=5)
+            frames = theirs["First Camera Frames Name"].str.extract(r"(\d+)\.\w+$")[0].astype(int)
+            for view, second in ((f"cam{cam}", ""), (f"cam{cam + 1}", "2")):
+                x, y = (theirs[f"{axis} Coordinate {letter}{second}"] for axis in "XY")
+                own = tracks.sel(view=view, keypoint=point)
+                own = own.transpose("time", "image_space").to_numpy()[frames - frames.min()]
+                expected = np.column_stack([x if cam == 1 else 2047.0 - x, y])
+                if np.isfinite(own).mean() < 0.9:
+                    return "gap lost (their files)", "-"
+                worst = max(worst, float(np.nanmax(np.abs(own - expected))))
+    return f"{worst:.1g} (their files)", "-"
+
+
+def dltdv_sparse(folder: Path, kind: str) -> tuple[str, str]:
+    """Read a file laid out as sparseSave of DLTdv 8's source writes it, by columns, 6 decimals."""
+    space = kind == "xyzpts"
+    true = recording(1, space=space)[:, :, 0]
+    axes = ("_X", "_Y", "_Z") if space else ("_cam1_X", "_cam1_Y")
+    names = [f"{point}{axis}" for point in POINTS for axis in axes]
+    full = true.reshape(N, -1) + (0.0 if space else 1.0)  # DLTdv counts pixels from 1
+    cells = [f"{row + 1}\t{column + 1}\t{full[row, column]:.6f}"
+             for column in range(full.shape[1]) for row in range(N)
+             if np.isfinite(full[row, column])]  # fmt: skip
+    head = ["\t".join(names), f"{N}\t{full.shape[1]}\t{len(cells)}"]
+    path = folder / f"theirs_{kind}.tsv"
+    path.write_text("\n".join(head + cells) + "\n")
+    read = off(places(read_any_tracks(path, fps=FPS))[:, :, 0], true)
+    return f"{read} (source)", own(folder, "dltdv-3d" if space else "dltdv", f"a_{kind}.tsv")[1]
+
+
+def xmalab_markers(folder: Path) -> tuple[str, str]:
+    """Read markers laid out as save3dPoints of XMALab's source writes frames 1 to N, 12 digits."""
+    true = recording(1, space=True)[:, :, 0]
+    lines = ["Frame," + ",".join(f"{point}_{axis}" for point in POINTS for axis in "XYZ")]
+    for i, row in enumerate(true.reshape(N, -1)):
+        lines.append(",".join([str(i + 1), *("NaN" if np.isnan(x) else f"{x:.12g}" for x in row)]))
+    (folder / "markers.csv").write_text("\n".join(lines) + "\n")
+    tracks = read_any_tracks(folder / "markers.csv", fps=FPS)
+    if tracks["frame"].to_numpy().tolist() != list(range(N)):
+        return "frames lost (source)", "-"
+    return f"{off(places(tracks)[:, :, 0], true)} (source)", "-"
