@@ -15,10 +15,12 @@ show, each from an open file of its own.
 *step* is from the key to the painted next frame with nothing fetched beforehand, so reading,
 encoding, the way to the browser and painting are all in the time; *key* the same as a person has
 it, who presses the arrow ten times a second while the widget fetches what comes next; *jump* is to
-a frame at random; *playing* how many frames a second are painted while it plays; *drag* whether a
-dragged point is drawn in the same animation frame as the mouse has moved in; *memory* what the
-kernel's process grew by from before the widget was made to after all of it, and *cache* what of it
-are decoded frames, kept for stepping back, after the jumps; the aim does not speak of these.
+a frame at random; *playing* how many frames a second are painted while it plays, nothing being kept
+in the browser when it begins; *kernel* what of a step the kernel takes to read and encode; *drag*
+whether a dragged point is drawn in the same animation frame as the mouse has moved in; *memory*
+what the kernel's process grew by from before the widget was made to after all of it, and *cache*
+what of it are decoded frames, kept for stepping back, after the jumps; the aim does not speak of
+these.
 """
 
 from __future__ import annotations
@@ -77,6 +79,8 @@ _STEPS = """async ([frames, timeout, ahead, pause]) => {
 _PLAY = """async (seconds) => {
   const c = document.querySelector('.pawnb-root')._pawnb;
   let n = 0, last = c.painted;
+  for (const frame of [...c.frames.pictures.kept.keys()])
+    if (frame !== c.frames.shown) c.frames.pictures.drop(frame);
   c.frames.play(true);
   const start = performance.now();
   await new Promise((done) => {
@@ -204,7 +208,7 @@ def repeat(source: Path, target: Path, frames: int) -> None:
 
 
 _KERNEL = """
-import gc, numpy as np, pawnb
+import gc, time, numpy as np, pawnb
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.io.start import read_start
 def memory_mb():
@@ -227,7 +231,13 @@ for row in clicks.itertuples():
     tracks['image_origin'].loc[at] = ORIGIN_CODE['measured']
     tracks['image_confidence'].loc[at] = 1.0
 before = memory_mb()
-w = pawnb.widgets.TrackReviewer(trial, tracks)
+class Timed(pawnb.widgets.TrackReviewer):
+    answers_s = []
+    def _answer_want(self, *about):
+        began = time.perf_counter()
+        super()._answer_want(*about)
+        self.answers_s.append(time.perf_counter() - began)
+w = Timed(trial, tracks)
 w
 """
 
@@ -251,6 +261,7 @@ def measure(trial: Path, options: argparse.Namespace, folder: Path) -> dict[str,
         opened = time.perf_counter() - began
         steps = list(range(1, min(last, options.steps) + 1))
         step = page.evaluate(_STEPS, [steps, 10_000, False, 30])
+        kernel_ms = 1e3 * float(np.median(notebook.py(f"w.answers_s[-{len(steps)}:]")))
         page.evaluate(_STEPS, [[0], 20_000, False, 300])
         key = page.evaluate(_STEPS, [steps, 10_000, True, 100])
         jumps = [int(frame) for frame in rng.integers(0, last, options.jumps)]
@@ -269,6 +280,7 @@ def measure(trial: Path, options: argparse.Namespace, folder: Path) -> dict[str,
         "app": options.app, "codec": options.codec, "frames": options.frames,
         "opened_s": opened,
         "step_median_ms": float(np.median(step)), "step_p95_ms": float(np.percentile(step, 95)),
+        "kernel_median_ms": kernel_ms,
         "key_median_ms": float(np.median(key)), "key_p95_ms": float(np.percentile(key, 95)),
         "jump_median_ms": float(np.median(jump)), "jump_p95_ms": float(np.percentile(jump, 95)),
         "playing_fps": playing, "drag_same_frame": drag, "memory_mb": grown, "cache_mb": cache,

@@ -180,6 +180,9 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
         _check_frame(frame, (first, last))
         workers = min(4, os.cpu_count() or 1)
         self._pool = ThreadPoolExecutor(workers, thread_name_prefix="pawnb-jpeg")
+        # frames are read beside the thread that hears the browser: Jupyter has told all pages that
+        # the kernel is busy, and no more, before the picture comes
+        self._readers = ThreadPoolExecutor(1, thread_name_prefix="pawnb-frames")
         sizes = {name: views.readers[name] for name in views.names}
         super().__init__(
             stages=[{"name": n, "width": r.width, "height": r.height} for n, r in sizes.items()],
@@ -237,6 +240,7 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
     def close(self) -> None:
         """Take the widget away and end its threads; the views stay open."""
         if hasattr(self, "_pool"):  # also called for a widget that was refused half made
+            self._readers.shutdown(wait=False, cancel_futures=True)
             self._pool.shutdown(wait=False, cancel_futures=True)
         super().close()
 
@@ -263,15 +267,15 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
     def _receive(self, _widget: Any, message: dict[str, Any], _buffers: Any) -> None:
         """Answer one message of the browser."""
         if message.get("type") == "want":
-            self._answer_want(message)
+            for frame in message["frames"]:
+                self._readers.submit(self._answer_want, int(frame), message)
         elif message.get("type") == "edit":
             self._answer_edit(message)
         elif message.get("type") == "hello":
             self.send({"type": "hello", "who": message["who"]})
 
-    def _answer_want(self, message: dict[str, Any]) -> None:
+    def _answer_want(self, frame: int, message: dict[str, Any]) -> None:
         """Send a frame: its pictures, unless the browser has them, and its overlay."""
-        frame = int(message["frame"])
         answer: dict[str, Any] = {"type": "frame", "who": message["who"], "frame": frame}
         pictures: list[bytes] = []
         try:
@@ -279,9 +283,9 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
                 pictures = self._encode(frame, message["shrink"])
             with self._edit_lock:
                 answer |= {"version": self._version, "overlay": self.overlay(frame)}
-        except PawnbError as error:
-            self.alarm = str(error)
-            answer["error"] = str(error)
+        except Exception as error:  # noqa: BLE001, in this thread nobody else would hear of it
+            named = f"frame {frame} cannot be shown: {type(error).__name__}: {error}"
+            self.alarm = answer["error"] = str(error) if isinstance(error, PawnbError) else named
             pictures = []
         answer |= {"sent": bool(pictures), "shrink": message["shrink"]}
         if pictures and message.get("plain"):
@@ -306,7 +310,7 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
                 self.send(answer | {"overlay": self.overlay(frame)})
 
     def _encode(
-        self, frame: int, shrink: Sequence[int], *, quality: int | None = None
+        self, frame: int, shrink: Sequence[float], *, quality: int | None = None
     ) -> list[bytes]:
         """Return one JPEG a view, each made ``shrink`` times smaller, in the order of views."""
         with self._video_lock:
@@ -314,7 +318,7 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
         names = self._views.names
         quality = self._quality if quality is None else quality
         jobs = [
-            self._pool.submit(encode_jpeg, frames[name], shrink=int(k), quality=quality)
+            self._pool.submit(encode_jpeg, frames[name], shrink=float(k), quality=quality)
             for name, k in zip(names, shrink, strict=True)
         ]
         return [job.result() for job in jobs]
@@ -327,15 +331,15 @@ def _check_frame(frame: int, span: Sequence[int]) -> None:
         raise InputError(f"frame {frame} is not in the recording ({first} to {last}).")
 
 
-def encode_jpeg(picture: FramePicture, *, shrink: int = 1, quality: int = 85) -> bytes:
+def encode_jpeg(picture: FramePicture, *, shrink: float = 1, quality: int = 85) -> bytes:
     """Encode a frame as JPEG.
 
     Parameters
     ----------
     picture : Frame
         Anything with ``image()`` that gives (H, W, 3) RGB or (H, W) grey, uint8.
-    shrink : int
-        How many pixels are averaged into one along each side.
+    shrink : float
+        How many times smaller it becomes along each side, from 1 on.
     quality : int
         1 to 100.
 
@@ -359,10 +363,22 @@ def encode_jpeg(picture: FramePicture, *, shrink: int = 1, quality: int = 85) ->
     return data.tobytes()
 
 
-def _smaller(picture: FramePicture, shrink: int) -> np.ndarray:
-    """Return a picture ``shrink`` times smaller, of a frame before it is made RGB."""
-    if isinstance(picture, Frame):
-        return picture.shrunk(shrink)
-    image = picture.image()
-    size = [max(1, round(side / shrink)) for side in image.shape[1::-1]]
-    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA))
+def _smaller(picture: FramePicture, shrink: float) -> np.ndarray:
+    """Return a picture ``shrink`` times smaller: of a frame, as far as it goes before it is RGB."""
+    if not isinstance(picture, Frame):
+        image = picture.image()
+        return _resized(image, image.shape[1::-1], shrink, cv2.INTER_AREA)
+    whole = 4 if shrink >= 4 else 2 if shrink >= 2 else 1
+    image = picture.shrunk(whole)
+    if whole == shrink:
+        return image
+    # what is left is less than twofold: between four neighbours nothing is skipped
+    return _resized(image, (picture.width, picture.height), shrink, cv2.INTER_LINEAR)
+
+
+def _resized(
+    image: np.ndarray, whole: Sequence[int], shrink: float, interpolation: int
+) -> np.ndarray:
+    """Return a picture ``shrink`` times smaller than a whole one of that width and height."""
+    size = [max(1, round(side / shrink)) for side in whole]
+    return np.asarray(cv2.resize(image, size, interpolation=interpolation))

@@ -58,6 +58,7 @@ w""")
     small.page.mouse.down()
     small.page.mouse.move(x, y, steps=8)
     caption = small.page.locator(".pawnb-caption")
+    small.wait("f.late")  # a frame that comes at once is not announced
     assert "(loading" in caption.inner_text()
     assert box() == was
     chosen = small.js("f.want")

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import small_trial as scene
 
+from pawnb.core.pixels.colour import GreyPicture
 from pawnb.core.pixels.yuv import YuvPicture
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, VideoError
@@ -69,9 +70,22 @@ def canvas():
 
 
 def want(canvas, frame, **more):
-    message = {"type": "want", "who": "me", "frame": frame, "shrink": [1, 2, 4], "pixels": True}
+    return want_several(canvas, [frame], **more)[0]
+
+
+def want_several(canvas, frames, **more):
+    """Ask for frames in one message; the answers come from another thread."""
+    message = {"type": "want", "who": "me", "frames": frames, "shrink": [1, 2, 4], "pixels": True}
+    n = len(canvas.sent)
     canvas._receive(canvas, message | {"plain": False} | more, [])
-    return canvas.sent[-1]
+    end = time.monotonic() + 30
+    while True:
+        answers = [sent for sent in canvas.sent[n:] if sent[0].get("frame") in frames]
+        answers = [sent for sent in answers if sent[0]["type"] == "frame"]
+        if len(answers) >= len(frames):
+            return answers
+        assert time.monotonic() < end
+        time.sleep(0.001)
 
 
 def edit(canvas, what, frame=5):
@@ -94,6 +108,52 @@ def test_a_frame_comes_as_one_jpeg_a_view_as_small_as_asked(canvas):
     u, v = scene.seen(5)[0, 0].astype(int)
     np.testing.assert_allclose(image[v, u], [230, 60, 60], atol=12)
     assert [image[10, 10 + 20 * bit, 0] > 128 for bit in range(3)] == [True, False, True]
+
+
+def test_frames_asked_for_together_come_one_after_the_other(canvas):
+    answers = want_several(canvas, [5, 9, 6])
+    assert [answer["frame"] for answer, _ in answers] == [5, 9, 6]
+    assert [len(pictures) for _, pictures in answers] == [3, 0, 3]
+
+
+def test_a_frame_that_fails_in_some_other_way_is_answered_and_said_too(canvas, monkeypatch):
+    monkeypatch.setattr(canvas, "overlay", lambda _frame: 1 / 0)
+    answer, pictures = want(canvas, 5)
+    said = "frame 5 cannot be shown: ZeroDivisionError: division by zero"
+    assert (answer["error"], canvas.alarm, pictures) == (said, said, [])
+
+
+def test_edits_do_not_wait_for_a_frame_that_is_read(canvas, monkeypatch):
+    reading, may_end = threading.Event(), threading.Event()
+    frame = canvas._views.frame
+
+    def slow(index):
+        reading.set()
+        assert may_end.wait(30)
+        return frame(index)
+
+    monkeypatch.setattr(canvas._views, "frame", slow)
+    asking = threading.Thread(target=want, args=(canvas, 5))
+    asking.start()
+    assert reading.wait(30)
+    edit(canvas, "click")
+    may_end.set()
+    asking.join(30)
+    assert [answer["type"] for answer, _ in canvas.sent] == ["done", "frame"]
+
+
+@pytest.mark.parametrize("shrink", [1.25, 2.75, 3.5, 4])
+def test_a_picture_is_made_as_small_as_asked_in_quarters_too(shrink):
+    """A slanted ramp has, wherever it is read, the value of that place."""
+    v, u = np.mgrid[:96, :128]
+    ramp = np.round((u + 0.5) + (v + 0.5) / 2).astype(np.uint8)
+    frame = Frame(0, GreyPicture(ramp), (0, 0, 128, 96))
+    data = np.frombuffer(encode_jpeg(frame, shrink=shrink, quality=100), np.uint8)
+    small = cv2.imdecode(data, cv2.IMREAD_UNCHANGED).astype(float)
+    assert small.shape == (round(96 / shrink), round(128 / shrink))
+    rows, columns = (np.arange(n) + 0.5 for n in small.shape)
+    expected = columns * 128 / small.shape[1] + (rows[:, None] * 96 / small.shape[0]) / 2
+    np.testing.assert_allclose(small[1:-1, 1:-1], expected[1:-1, 1:-1], atol=2.5)
 
 
 def test_pixels_that_the_browser_has_are_not_sent_again(canvas):

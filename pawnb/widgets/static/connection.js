@@ -16,6 +16,7 @@ class Connection {
     this.busy = false; // Python does something else first
     this.ended = false; // and it will never hear again
     this.timer = null;
+    this.sure = false; // whether it was asked if anybody is there, and got no answer yet
     this.kernel = (model.widget_manager && model.widget_manager.kernel) || null;
     this.look = () => this.lookAtKernel();
     this.hear = () => this.heard();
@@ -46,7 +47,7 @@ class Connection {
 
   heard() {
     clearTimeout(this.timer);
-    this.timer = null;
+    Object.assign(this, { timer: null, sure: false });
     this.set({ down: false, busy: false });
   }
 
@@ -58,7 +59,14 @@ class Connection {
   doubt() {
     this.timer = null;
     const { kernel } = this;
-    const busy = kernel && kernel.connectionStatus === "connected" && kernel.status === "busy";
+    const there = kernel && kernel.connectionStatus === "connected";
+    const busy = there && kernel.status === "busy";
+    if (there && !busy && !this.sure) {
+      // a picture may take long while Python is free to answer something else
+      this.sure = true;
+      this.ask();
+      return;
+    }
     this.set({ down: !busy, busy: !!busy });
     if (busy) this.asked();
   }

@@ -9,6 +9,11 @@ function element(tag, className, properties = {}) {
   return made;
 }
 
+// Change of an element what is different: the browser lays out anew whatever is set, equal or not.
+function say(el, properties) {
+  for (const [name, value] of Object.entries(properties)) if (el[name] !== value) el[name] = value;
+}
+
 // A Canvas (frame_canvas.js) as far as it is operated: it has model, root, bar, actions, sliders,
 // frames and connection, and go, edit, focus, fitAll and setRectangle.
 class Controls {

@@ -188,8 +188,8 @@ class Canvas extends Keys {
       stage.bitmap = bitmaps[k];
       if (!isNew) return;
       stage.setOverlay(overlay.views[stage.name] || {});
-      if (!this.dragging) this.showHead(stage);
     });
+    if (isNew && !this.dragging) this.showHeads();
     if (isNew) this.closer.apply();
     this.redraw();
   }
@@ -210,43 +210,60 @@ class Canvas extends Keys {
 
   // The lines in words: which frame, and the selected point.
   moved() {
-    const { shown, want, span, overlay, loading } = this.frames;
+    const { shown, want, span, overlay, late: loading } = this.frames;
     if (this.slider) this.slider.value = want;
     if (this.timeline) this.timeline.follow();
     const caption = overlay && overlay.caption ? `, ${overlay.caption}` : "";
     const text = shown === null ? "" : `frame ${shown} of ${span[1]}${caption}`;
     const late = this.connection.busy ? "Python is busy" : `loading ${want}`;
-    this.caption.textContent = loading && !this.connection.down ? `${text} (${late})` : text;
-    this.caption.title = this.caption.textContent;
+    const said = loading && !this.connection.down ? `${text} (${late})` : text;
+    say(this.caption, { textContent: said, title: said });
     const [view, id] = this.selected || [];
     const stage = this.stages.find((s) => s.name === view);
     const chip = stage && (stage.overlay.chips || []).find((c) => c.id === id);
-    this.detail.textContent = chip ? `${view}, ${chip.title}` : "";
-    if (this.connection.busy && this.pending)
-      this.detail.textContent = "Python is busy with something else: the last change is not saved yet.";
+    const waits = this.connection.busy && this.pending;
+    const busy = "Python is busy with something else: the last change is not saved yet.";
+    say(this.detail, { textContent: waits ? busy : chip ? `${view}, ${chip.title}` : "" });
   }
 
-  // Above each view: its name, and every point it tracks as a button.
+  showHeads() {
+    for (const stage of this.stages) this.showHead(stage);
+    this.markSelected();
+  }
+
+  // Above each view: its name, and every point it tracks as a button; the buttons stay while the
+  // points are the same.
   showHead(stage) {
     const { head, el } = stage;
+    const chips = stage.overlay.chips || [];
+    const wide = el.classList.contains("pawnb-wide");
+    const built = JSON.stringify([wide, chips.map(({ id }) => id)]);
+    if (stage.built !== built) this.buildHead(stage, chips, wide);
+    stage.built = built;
+    const made = head.querySelectorAll(".pawnb-chip");
+    chips.forEach(({ state, title, colour }, k) => {
+      say(made[k], { className: `pawnb-chip pawnb-${state}`, title });
+      if (made[k].style.getPropertyValue("--colour") !== colour) made[k].style.setProperty("--colour", colour);
+    });
+  }
+
+  buildHead(stage, chips, wide) {
+    const { head, el } = stage;
     head.replaceChildren(element("span", "pawnb-name", { textContent: stage.name, title: stage.name }));
-    for (const { id, state, title, colour } of stage.overlay.chips || []) {
-      const chip = this.button(head, id, title, () => this.select(stage, id));
-      chip.className = `pawnb-chip pawnb-${state}`;
+    for (const { id } of chips) {
+      const chip = this.button(head, id, "", () => this.select(stage, id));
+      chip.className = "pawnb-chip";
       chip.dataset.point = id;
-      chip.style.setProperty("--colour", colour);
     }
     if (this.stages.length > 1) {
-      const wide = el.classList.contains("pawnb-wide");
       const title = wide ? "Show this view smaller again" : "Show this view as wide as it gets";
       const grow = this.button(head, wide ? "Smaller" : "Larger", title, () => {
         el.classList.toggle("pawnb-wide");
-        this.showHead(stage);
+        this.showHeads();
         this.layout();
       });
       grow.classList.add("pawnb-grow");
     }
-    this.markSelected();
   }
 
   markSelected() {
@@ -254,7 +271,7 @@ class Canvas extends Keys {
     for (const stage of this.stages) {
       stage.el.classList.toggle("pawnb-here", view === stage.name);
       for (const chip of stage.head.querySelectorAll(".pawnb-chip"))
-        chip.setAttribute("aria-pressed", view === stage.name && chip.dataset.point === id);
+        say(chip, { ariaPressed: String(view === stage.name && chip.dataset.point === id) });
     }
     if (this.timeline) this.timeline.chosen();
   }
@@ -299,7 +316,7 @@ class Canvas extends Keys {
 
   released() {
     this.showStatus();
-    for (const stage of this.stages) this.showHead(stage);
+    this.showHeads();
     this.redraw();
     this.frames.step(); // a frame may have waited for the hand to open
   }

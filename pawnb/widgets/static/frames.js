@@ -1,12 +1,15 @@
 // Which frame is wanted, which is shown, and how frames come from the kernel.
 //
 // kernel -> browser: {type: "frame", who, frame, sent, shrink, overlay, version, error?} + a JPEG a view
-// browser -> kernel: {type: "want", who, frame, shrink, pixels, plain}
+// browser -> kernel: {type: "want", who, frames, shrink, pixels, plain}
 // One request of a frame that is wanted is in flight at a time and the newest wins, so no queue
 // builds up while somebody holds a key down. Frames are fetched beforehand, one at a time, when
 // nothing else is asked, and while playing: Python then reads a frame while the one before is drawn.
+// Then several are asked for in one message, as Jupyter shows for each that the kernel is busy.
 
 const BITMAP_BYTES = 256e6; // decoded pictures kept in the browser
+const LATE_MS = 150; // a frame that is not there by then is said to be waited for
+const TOGETHER = 4; // frames asked for in one message while playing
 const AHEAD = 6; // frames fetched beforehand, in the direction of travel
 
 // The pictures of recent frames, oldest out first.
@@ -61,9 +64,12 @@ class Frames {
     this.bitmaps = null;
     this.direction = 1;
     this.asked = null; // the wanted frame that is on its way
-    this.ahead = null; // the frame on its way that is fetched beforehand
+    this.ahead = null; // the last frame on its way that is fetched beforehand
+    this.coming = new Set(); // all frames on their way
     this.decoding = new Set();
     this.failed = new Set(); // frames that cannot be read are not asked for again and again
+    this.late = false; // whether the frame that is wanted lets a person wait
+    this.waiting = null;
     this.playing = false;
     this.speed = 25; // frames a second; no frame is skipped, so what is too fast is as fast as it goes
     this.by = 1; // -1: backwards
@@ -100,6 +106,7 @@ class Frames {
   lost() {
     this.play(false);
     this.asked = this.ahead = null;
+    this.coming.clear();
     if (this.shown !== null) this.want = this.shown;
   }
 
@@ -130,38 +137,55 @@ class Frames {
         if (this.playing) this.prefetch();
       }
     }
+    this.watch();
     this.host.moved();
+  }
+
+  // Words about a frame that comes at once would only have the browser draw the page once more.
+  watch() {
+    if (!this.loading) {
+      clearTimeout(this.waiting);
+      Object.assign(this, { waiting: null, late: false });
+    } else if (this.waiting === null)
+      this.waiting = setTimeout(() => {
+        this.late = true;
+        this.host.moved();
+      }, LATE_MS);
   }
 
   // step() runs again when the answer comes, or Python is back. What is fetched beforehand does not
   // keep a frame that is wanted waiting, but for what Python has begun.
-  request(frame, kind = "asked") {
-    if (this[kind] !== null || this.host.connection.down) return;
-    if (frame === this.asked || frame === this.ahead) return;
-    this[kind] = frame;
+  request(frame, kind = "asked", more = []) {
+    if (this[kind] !== null || this.host.connection.down || this.coming.has(frame)) return;
+    const frames = [frame, ...more];
+    this[kind] = frames.at(-1);
+    for (const one of frames) this.coming.add(one);
     const shrink = this.host.stages.map((stage) => stage.shrink);
     const { who, plain } = this;
     const pixels = !this.fine(frame);
-    this.host.connection.send({ type: "want", who, frame, shrink, pixels, plain });
+    this.host.connection.send({ type: "want", who, frames, shrink, pixels, plain });
   }
 
   prefetch() {
     const [first, last] = this.span;
     const entry = this.pictures.get(this.shown);
     const room = entry ? Math.floor(BITMAP_BYTES / entry.bytes) - 3 : 1;
-    for (let i = 1; i <= Math.min(AHEAD, room); i++) {
+    const frames = [];
+    for (let i = 1; i <= Math.min(AHEAD, room) && frames.length < (this.playing ? TOGETHER : 1); i++) {
       const frame = this.want + i * this.direction;
-      if (frame < first || frame > last || this.failed.has(frame)) return;
-      if (this.decoding.has(frame) || (this.fine(frame) && this.overlays.has(frame))) continue;
-      this.request(frame, "ahead");
-      return;
+      if (frame < first || frame > last || this.failed.has(frame)) break;
+      const there = this.fine(frame) && this.overlays.has(frame);
+      if (!there && !this.decoding.has(frame) && !this.coming.has(frame)) frames.push(frame);
+      else if (frames.length) break;
     }
+    if (frames.length) this.request(frames[0], "ahead", frames.slice(1));
   }
 
   async received(message, buffers) {
     const { frame, error, sent, shrink, overlay, version } = message;
     if (frame === this.asked) this.asked = null;
     if (frame === this.ahead) this.ahead = null;
+    this.coming.delete(frame);
     if (error) {
       this.failed.add(frame);
       if (frame === this.want) this.play(false);
@@ -239,12 +263,13 @@ class Frames {
     Object.assign(this, { by: backwards ? -1 : 1, loop });
     const [first, last] = this.range;
     if (loop && (this.want < first || this.want > last)) this.go(first);
-    let before = -Infinity;
+    let due = -Infinity; // when the next frame should come, ms
     const tick = (now) => {
       if (!this.playing || this.closed) return;
-      // playing waits for each frame
-      if (this.shown === this.want && now - before >= 1000 / this.speed - 4) {
-        before = now;
+      // playing waits for each frame; one that came late is not made up for
+      if (this.shown === this.want && now >= due - 4) {
+        const each = 1000 / this.speed;
+        due = Math.max(due + each, now); // not from now on: screens are drawn at times of their own
         if (!this.next()) return this.play(false);
       }
       requestAnimationFrame(tick); // not called in a hidden tab, so playing waits there
@@ -265,6 +290,7 @@ class Frames {
   close() {
     this.closed = true;
     clearTimeout(this.telling);
+    clearTimeout(this.waiting);
     this.pictures.clear();
   }
 }

@@ -158,7 +158,8 @@ class Lanes {
       g.fillStyle = ink;
       for (const x of [x0, x1]) g.fillRect(Math.round(x - k), top, 2 * k, tall);
     }
-    const x = this.x((frames.shown ?? frames.want) + 0.5) * k;
+    this.drawn = frames.shown ?? frames.want;
+    const x = this.x(this.drawn + 0.5) * k;
     g.fillStyle = brand;
     g.fillRect(Math.round(x - 0.75 * k), 0, Math.round(1.5 * k), this.canvas.height);
     g.beginPath();
@@ -168,7 +169,7 @@ class Lanes {
     g.fill();
     g.restore();
     const [first, last] = frames.span;
-    const told = { "aria-valuemin": first, "aria-valuemax": last, "aria-valuenow": frames.want };
+    const told = { "aria-valuemin": first, "aria-valuemax": last, "aria-valuenow": this.drawn };
     for (const [name, value] of Object.entries(told)) this.canvas.setAttribute(name, value);
   }
 }

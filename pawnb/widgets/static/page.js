@@ -37,7 +37,8 @@ class PageModel {
   }
 
   send(message) {
-    setTimeout(() => this.tell("msg:custom", this.answer(message), []));
+    const each = message.type === "want" ? message.frames : [message.frame];
+    for (const frame of each) setTimeout(() => this.tell("msg:custom", this.answer({ ...message, frame }), []));
   }
 
   answer({ type, who, frame, n, what }) {

@@ -110,11 +110,12 @@ class Stage extends Marks {
     this.setZoom(to, this.image.width / 2 - (u + 0.5) * to, this.image.height / 2 - (v + 0.5) * to);
   }
 
-  // How many image pixels may be merged into one before it can be seen: 1, 2 or 4.
+  // How many times smaller the picture may be before it can be seen: 1 to 4, in quarters, so that
+  // hardly more pixels are encoded, sent and decoded than are shown.
   get shrink() {
     if (this.host.closer && this.host.closer.loupe) return 1;
-    const merged = 1 / this.zoom.scale;
-    return merged >= 4 ? 4 : merged >= 2 ? 2 : 1;
+    const merged = Math.floor(4 / this.zoom.scale + 1e-6) / 4;
+    return Math.max(1, Math.min(4, merged));
   }
 
   toCanvas(u, v) {

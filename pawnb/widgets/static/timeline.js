@@ -247,10 +247,11 @@ class Timeline extends Lanes {
 
   // The frame stays in view: the timeline turns over a page where it leaves.
   follow() {
-    if (!this.view || this.drag) return this.redraw();
-    const { want } = this.host.frames;
-    const { from, frames } = this.view;
-    if (want < from || want >= from + frames) this.setView(want - frames * 0.1, frames);
-    this.redraw();
+    const { want, shown } = this.host.frames;
+    if (this.view && !this.drag) {
+      const { from, frames } = this.view;
+      if (want < from || want >= from + frames) this.setView(want - frames * 0.1, frames);
+    }
+    if (this.drawn !== (shown ?? want)) this.redraw();
   }
 }
