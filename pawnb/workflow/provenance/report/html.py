@@ -15,15 +15,18 @@ from PIL import Image
 _PX_PER_INCH = 140.0
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 2em auto;
-  max-width: 62em; padding: 0 1em; }
+  max-width: 66em; padding: 0 1em; }
 h1 { font-size: 1.6em; } h2 { font-size: 1.25em; margin-top: 2em; border-bottom: 1px solid #ccc; }
 h3 { font-size: 1.05em; margin-bottom: .3em; }
 table { border-collapse: collapse; font-size: .85em; margin: .6em 0; }
-th, td { padding: .2em .7em; text-align: left; vertical-align: top; }
+th, td { padding: .2em .5em; text-align: left; vertical-align: top; }
 td { border-bottom: 1px solid #e4e4e4; } th { border-bottom: 2px solid #999; }
 td.n { text-align: right; font-variant-numeric: tabular-nums; } .wide { overflow-x: auto; }
 figure { margin: 1.2em 0; } figure img { max-width: 100%; height: auto; }
 figcaption, .small { font-size: .85em; color: #555; } ul.notes li { margin-bottom: .3em; }
+@media print { body { font-size: 10pt; max-width: none; margin: 0; } table { font-size: 7pt; }
+  th, td { padding: .2em .4em; overflow-wrap: break-word; } .wide { overflow: visible; }
+  tr, figure { break-inside: avoid; } h2, h3 { break-after: avoid; } }
 """
 
 
@@ -83,7 +86,8 @@ def table(values: pd.DataFrame, *, most: int | None = None) -> str:
         HTML.
     """
     shown = values if most is None else values.head(most)
-    head = "".join(f"<th>{text(name)}</th>" for name in shown)
+    # long names of columns may break where their words end, else a page is not wide enough
+    head = "".join(f"<th>{text(name).replace('_', '_<wbr>')}</th>" for name in shown)
     rows = []
     for row in shown.itertuples(index=False, name=None):
         rows.append("<tr>" + "".join(_cell(value) for value in row) + "</tr>")

@@ -19,6 +19,7 @@ from pawnb.workflow.provenance.manifest import read_manifest
 from pawnb.workflow.provenance.report.html import embedded, listed, page, picture, table, text
 from pawnb.workflow.provenance.report.index_page import note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped
+from pawnb.workflow.provenance.report.phase_words import phase_tables
 from pawnb.workflow.provenance.report.words import FILES, figure_order, figure_words
 
 REPORT_FILE = "report.html"
@@ -150,6 +151,9 @@ def _tables(run: GaitRun) -> list[str]:
         if "measure" in values:
             values["measure"] = [say_measure(str(own), unit=unit) for own in values["measure"]]
         parts.append(f"<h3>{text(FILES[path.name])} ({path.name})</h3>")
+        if name == "phase_summary":
+            parts += phase_tables(values)
+            continue
         if name == "groups":
             values = _by_group(values)
         if name == "animals":
