@@ -18,6 +18,14 @@ ROOMS_OF_A_STAGE = 12
 LINES = 420
 """About 400. Compiled loops may take more where one thought needs them."""
 LINES_OF_KERNELS = 600
+LINES_OF_A_FUNCTION = 50
+"""Of its body, the docstring not counted."""
+ONE_THOUGHT = {
+    "add_calibrate": "a table of options, read from top to bottom",
+    "fit_pose": "compiled with loose arithmetic: cut, the compiler would order sums otherwise",
+    "scan_units": "a compiled loop over bits: cut, it would call a function for each code",
+}
+"""Functions that are longer, and why."""
 GROUPED = ("core", "gait", "workflow")
 DATA = {"pawnb/core/pose/species"}
 """Folders of data, which have no rooms behind their door."""
@@ -48,6 +56,21 @@ def test_no_file_is_too_long():
         if lines > (LINES_OF_KERNELS if path.stem.endswith("_kernels") else LINES):
             long[path.relative_to(ROOT).as_posix()] = lines
     assert long == {}
+
+
+def lines_of_body(function):
+    first = function.body[1 if ast.get_docstring(function) and len(function.body) > 1 else 0]
+    return function.body[-1].end_lineno - first.lineno + 1
+
+
+def test_no_function_is_too_long_but_those_named():
+    long = {
+        node.name
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and lines_of_body(node) > LINES_OF_A_FUNCTION
+    }
+    assert long == set(ONE_THOUGHT)
 
 
 @pytest.mark.parametrize("part", GROUPED)

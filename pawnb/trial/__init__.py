@@ -4,9 +4,10 @@ A trial only describes. It opens no video and reads no table; it does check that
 what is written makes sense, so that a typing error is found before any work.
 """
 
-from pawnb.trial.description import Animal, Bayer, Calibration, Kind, Trial, View
+from pawnb.trial.description import Animal, Bayer, Calibration, Trial, View
 from pawnb.trial.document import trial_document, trial_from_document
 from pawnb.trial.file import load_trial, save_trial
+from pawnb.trial.kinds import Kind
 
 __all__ = [
     "Animal",

@@ -11,8 +11,8 @@ from typing import Any, Literal
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import check_fields
 from pawnb.trial.detections import check_detections
+from pawnb.trial.kinds import TRAITS, Kind
 
-Kind = Literal["paws", "pose", "tracks"]
 Bayer = Literal["rggb", "bggr", "grbg", "gbrg"]
 
 
@@ -263,9 +263,10 @@ class Trial:
             raise InputError(f"[trial] fps is {self.fps}; expected a number above 0.")
         _check_range(self.frames, "[trial] frames")
         _check_unique([view.name for view in self.views], "views")
-        if self.detections and self.kind != "paws":
+        if self.detections and not TRAITS[self.kind].takes_detections:
+            taken = " or ".join(repr(kind) for kind, own in TRAITS.items() if own.takes_detections)
             raise InputError(
-                f"[tracking] detections are taken by a trial of kind 'paws', and the kind is "
+                f"[tracking] detections are taken by a trial of kind {taken}, and the kind is "
                 f"{self.kind!r}; leave them out."
             )
         check_detections(self.detections, [view.name for view in self.views])
@@ -292,7 +293,12 @@ class Trial:
     @property
     def is_tracked_elsewhere(self) -> bool:
         """Whether another program has tracked it: it names files of tracks, not a recording."""
-        return self.kind == "tracks"
+        return not TRAITS[self.kind].has_recording
+
+    @property
+    def is_jointed(self) -> bool:
+        """Whether a jointed animal is posed in it, of which the species tells; else points."""
+        return TRAITS[self.kind].is_jointed
 
     def must_be(self, *kinds: str, or_else: str) -> None:
         """Refuse what only trials of other kinds are for.
@@ -328,7 +334,7 @@ class Trial:
 
         Trials of another kind have none unless they name it.
         """
-        there = self.kind == "pose" and self.path("start_pose.csv").exists()
+        there = self.is_jointed and self.path("start_pose.csv").exists()
         return "start_pose.csv" if self.start_pose is None and there else self.start_pose
 
     def path(self, relative: str) -> Path:

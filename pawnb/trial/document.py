@@ -9,9 +9,10 @@ from typing import Any, TypeVar
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import build_settings, shown
-from pawnb.trial.description import Animal, Calibration, Kind, Trial, View
+from pawnb.trial.description import Animal, Calibration, Trial, View
 from pawnb.trial.detections import FIELDS as DETECTION_FIELDS
 from pawnb.trial.detections import read_detections, read_detections_points
+from pawnb.trial.kinds import Kind
 
 PartT = TypeVar("PartT")
 

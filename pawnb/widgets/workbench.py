@@ -223,9 +223,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _start(self, state: TrialState) -> Any:
         """Return the widget that makes the start, and the button that goes on."""
         trial = described(state)
-        tool = (StickPoser if trial.kind == "pose" else ClickInitialiser)(
-            trial, max_height=self._room
-        )
+        tool = (StickPoser if trial.is_jointed else ClickInitialiser)(trial, max_height=self._room)
         go_on = self._button("Track", lambda: self._track_started(state), main=True)
         return Tool(tool, [go_on])
 
@@ -249,7 +247,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _review(self, state: TrialState) -> Any:
         """Return the widget that reviews the tracks."""
         trial, tracks = described(state), self.session.tracks(state)
-        tool = (PoseReviewer if trial.kind == "pose" else TrackReviewer)(
+        tool = (PoseReviewer if trial.is_jointed else TrackReviewer)(
             trial, tracks, max_height=self._room
         )
         self.session.has_looked(state)

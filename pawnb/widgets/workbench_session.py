@@ -149,7 +149,7 @@ class WorkbenchSession:
     def tracks(self, state: TrialState) -> Tracks:
         """Return the tracks of a trial, those made elsewhere as well."""
         trial = described(state)
-        if trial.kind == "tracks":
+        if trial.is_tracked_elsewhere:
             return read_foreign_tracks(trial)
         return read_result_tracks(results_folder(trial) / "tracks.nc")
 

@@ -19,8 +19,10 @@ from numba.core import event
 
 from pawnb.core.compiled import Compiled
 from pawnb.core.first_run import HELPERS, LATER, LIST, spell
+from pawnb.core.paws.tracker import DEFAULT
 from pawnb.io.tables import write_text
 from pawnb.trial import load_trial
+from pawnb.workflow.tracking.methods import trial_tracker
 from pawnb.workflow.tracking.track import track
 
 _PARTS = {"pawnb.core.pose.space.": "space", "pawnb.core.jpeg.": LATER}
@@ -87,7 +89,7 @@ def make_list(trials: Sequence[str | Path]) -> dict[str, dict[str, list]]:
             for name, ways in called_functions().items():
                 part = next(
                     (part for begin, part in _PARTS.items() if name.startswith(begin)),
-                    str(trial.kind),
+                    trial_tracker(trial, DEFAULT).kind,
                 )
                 own = kinds.setdefault(part, {}).setdefault(name, [])
                 own.extend(way for way in ways if way not in own)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import dataclasses
+import re
 from pathlib import Path
 
 import pytest
@@ -11,15 +12,10 @@ import pytest
 import pawnb
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Trial
+from pawnb.trial.kinds import TRAITS
 from pawnb.workflow.kinds import PointTrials, PoseTrials, TrialKind, kind_of
 
 PACKAGE = Path(pawnb.__file__).parent
-ASKS = {
-    "workflow/provenance/record.py",  # the species of points is a word, not a file
-    "widgets/workbench.py",  # one widget or the other
-    "widgets/workbench_session.py",
-}
-"""Modules outside of ``trial`` that compare the kind of a trial."""
 
 
 def trial(kind):
@@ -27,14 +23,18 @@ def trial(kind):
 
 
 def compares_kind(tree):
-    """Say whether ``.kind`` of a trial is compared with anything."""
+    """Say whether the kind of a trial is compared with anything, or ``kind`` with one of them."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Compare):
-            for side in (node.left, *node.comparators):
-                if isinstance(side, ast.Attribute) and side.attr == "kind":
-                    owner = ast.unparse(side.value)
-                    if owner.split(".")[-1].rstrip("0123456789[]") in ("trial", "trials"):
-                        return True
+            sides = (node.left, *node.comparators)
+            parts = [part for side in sides for part in ast.walk(side)]
+            values = {part.value for part in parts if isinstance(part, ast.Constant)}
+            for side in sides:
+                name = ast.unparse(side)
+                if re.search(r"\btrials?(\[\d+\])?\.kind$", name):
+                    return True
+                if name.split(".")[-1] == "kind" and values & set(TRAITS):
+                    return True
     return False
 
 
@@ -67,14 +67,17 @@ def test_what_another_program_has_tracked_is_refused(call):
 def test_a_comparison_is_found():
     assert compares_kind(ast.parse("if self.trial.kind == 'paws': pass"))
     assert compares_kind(ast.parse("a = 'pose' != trials[0].kind"))
-    assert not compares_kind(ast.parse("a = event.kind == 'paws'; b = KINDS[trial.kind]"))
+    assert compares_kind(ast.parse("a = self.kind in ('paws', 'tracks')"))
+    assert compares_kind(ast.parse("a = trial.kind == other"))
+    assert not compares_kind(ast.parse("a = event.kind == 'td'; b = KINDS[trial.kind]"))
 
 
-def test_nothing_else_asks_for_the_kind():
+def test_nothing_asks_for_the_kind_of_a_trial():
+    """A third kind is registered: in ``TRAITS``, among the trackers, and in ``kinds``."""
     texts = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     found = {
         path.relative_to(PACKAGE).as_posix()
         for path, text in texts.items()
-        if ".kind" in text and compares_kind(ast.parse(text))
+        if "kind" in text and compares_kind(ast.parse(text))
     }
-    assert found == ASKS
+    assert found == set()

@@ -14,12 +14,12 @@ from typing import Any, Protocol, TypeVar
 import pandas as pd
 
 from pawnb.core.paws.layout import Views
-from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES, Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
-from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.settings import FORMER_NAMES, OfflineSettings
 from pawnb.core.paws.offline.tracker import track_offline
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.paws.start_proposal import parameters as _proposal_stage  # noqa: F401  (is set)
@@ -79,6 +79,18 @@ class Tracker(Protocol[ViewsT, StartT, RequestT, KeptT, CorrectedT, FoundT]):
     @property
     def packages(self) -> tuple[str, ...]:
         """The packages whose other named numbers a record of a run holds."""
+
+    @property
+    def more_files(self) -> tuple[str, ...]:
+        """The files that a run writes beside those of every tracker."""
+
+    @property
+    def published_names(self) -> Mapping[str, str]:
+        """A paper's names of settings, and their names here: who types those is told these."""
+
+    @property
+    def former_names(self) -> Mapping[str, str]:
+        """What settings were called before, and what they are called now."""
 
     def track(
         self, views: ViewsT, start: StartT, request: RequestT, *, settings: Any, kept: KeptT
@@ -195,6 +207,9 @@ class OfflineTracker:
         "quality_limits", "run", "paw_proposal",
     )  # fmt: skip
     packages: tuple[str, ...] = ("pawnb.core.paws.offline", "pawnb.core.paws.start_proposal")
+    more_files: tuple[str, ...] = ()
+    published_names: Mapping[str, str] = field(default_factory=dict, hash=False)
+    former_names: Mapping[str, str] = field(default_factory=lambda: FORMER_NAMES, hash=False)
 
     def track(
         self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
@@ -242,6 +257,9 @@ class Maghsoudi2019Tracker:
         "pawnb.core.paws.maghsoudi2019",
         "pawnb.core.paws.start_proposal",
     )
+    more_files: tuple[str, ...] = ()
+    published_names: Mapping[str, str] = field(default_factory=lambda: PUBLISHED_NAMES, hash=False)
+    former_names: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def track(
         self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
@@ -296,6 +314,11 @@ def trackers(kind: str) -> dict[str, AnyTracker]:
         Name to tracker.
     """
     return {tracker.name: tracker for tracker in _TRACKERS if tracker.kind == kind}
+
+
+def tracked_kinds() -> tuple[str, ...]:
+    """Return the kinds of trials that are tracked here."""
+    return tuple(dict.fromkeys(tracker.kind for tracker in _TRACKERS))
 
 
 def find_tracker(kind: str, name: str) -> AnyTracker:

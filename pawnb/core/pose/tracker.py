@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import pawnb.core.pose.space.parameters  # noqa: F401  (its stage is known from here on)
@@ -13,7 +13,7 @@ from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES, Pullar2009Settings
 from pawnb.core.pose.pullar2009.tracker import track_pullar2009
 from pawnb.core.pose.start_proposal import parameters as _proposal_stage  # noqa: F401  (is set)
 from pawnb.core.pose.track_result import PoseTrack
@@ -64,6 +64,8 @@ class PoseTracker:
         Whether it decides over the whole recording, and knows when the animal is gone.
     stages, packages : tuple of str
         Stages whose parameters can be set, and packages whose other named numbers are recorded.
+    kind, needs_calibration, is_of_first_view, more_files, published_names, former_names
+        See :class:`pawnb.core.paws.tracker.Tracker`.
     """
 
     name: str
@@ -75,6 +77,9 @@ class PoseTracker:
     kind: str = "pose"
     needs_calibration: bool = False
     is_of_first_view: bool = True
+    more_files: tuple[str, ...] = ("pose.csv",)
+    published_names: Mapping[str, str] = field(default_factory=dict, hash=False)
+    former_names: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def track(
         self,
@@ -135,6 +140,7 @@ POSE_TRACKERS = (
         packages=(
             "pawnb.core.pose.pullar2009", "pawnb.core.pose.space", "pawnb.core.pose.start_proposal",
         ),
+        published_names=PUBLISHED_NAMES,
     ),
 )  # fmt: skip
 """The trackers of jointed animals; the first is the default."""

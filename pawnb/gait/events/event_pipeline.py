@@ -7,8 +7,9 @@ space, or one view's picture) get their body frame; each foot gives extremes and
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -108,26 +109,22 @@ def analyse_space(
     )  # fmt: skip
     frame, scales, notes = found_body.frame, found_body.scales, found_body.notes
     max_gap = round(scales.max_gap_s * fs)
+    smooth = partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
     raw = frame.fore_aft(feet.positions)
-    position = _smooth(raw, scales.cutoff_hz, fs, max_gap)
-    lab = _smooth(along(feet.positions, frame.forward), scales.cutoff_hz, fs, max_gap)
-    standing = found_body.standing
+    position, lab = smooth(raw), smooth(along(feet.positions, frame.forward))
     turning, how = position, f"fore-aft position ({frame.method})"
     if feet.angle_deg is not None:
-        turning, how = _smooth(feet.angle_deg, scales.cutoff_hz, fs, max_gap), "leg angle"
-    extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, standing)
+        turning, how = smooth(feet.angle_deg), "leg angle"
+    extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, found_body.standing)
     velocity = differentiate(lab, dt=1.0 / fs)
     treadmill = found_body.treadmill
     belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
     notes += said
-    height = None
-    if up is not None and settings.use_height:
-        level = np.tile(up, (len(raw), 1))
-        height = _smooth(along(feet.positions, level), scales.cutoff_hz, fs, max_gap)
     motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
+    height = _height(feet, up, smooth) if settings.use_height else None
     across = None
     if up is not None or found_body.from_points:
-        across = _smooth(frame.lateral(feet.positions, up=up), scales.cutoff_hz, fs, max_gap)
+        across = smooth(frame.lateral(feet.positions, up=up))
     found = {
         LEG_ANGLE: None if feet.angle_deg is None else turning,
         POSITION: position, HEIGHT: height, LATERAL: across,
@@ -136,24 +133,32 @@ def analyse_space(
         events=[], dropped=[], gaps=[], motion=motion, notes=notes,
         signals=_leg_signals(found, feet, grid, who),
     )  # fmt: skip
+    is_guessed = treadmill and belt_here is not belt
     for k, leg in enumerate(feet.legs):
-        bridged = ~np.isfinite(raw[:, k])
-        where = extremes[k]
+        bridged, where = ~np.isfinite(raw[:, k]), extremes[k]
         if feet.angle_deg is not None:
             where = _with_positions(where, position[:, k])
         _add_extremes(result, leg, where, bridged, grid, how)
         _add_rejected(result, leg, rejected[k], grid)
         _add_jumps(result, leg, jumps[:, k], grid)
         _add_gaps(result, leg, position[:, k], grid, scales.max_gap_s)
-        _add_pauses(result, leg, standing, grid)
-        if belt_here is not None:
-            foot_height = None if height is None else height[:, k]
-            speed = speed_over_substrate(
-                velocity[:, k], belt_here, where, follow=treadmill and belt_here is not belt
-            )
-            contacts = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
-            _add_contacts(result, leg, *contacts, grid)
+        _add_pauses(result, leg, found_body.standing, grid)
+        if belt_here is None:
+            continue
+        speed = speed_over_substrate(velocity[:, k], belt_here, where, follow=is_guessed)
+        foot_height = None if height is None else height[:, k]
+        contacts = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
+        _add_contacts(result, leg, *contacts, grid)
     return result
+
+
+def _height(
+    feet: FootPaths, up: FloatArray | None, smooth: Callable[[FloatArray], FloatArray]
+) -> FloatArray | None:
+    """Return how high feet are, where it is known which way is up."""
+    if up is None:
+        return None
+    return smooth(along(feet.positions, np.tile(up, (len(feet.positions), 1))))
 
 
 def _leg_signals(

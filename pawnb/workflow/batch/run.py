@@ -31,7 +31,7 @@ from pawnb.workflow.provenance.manifest import MANIFEST, find_fault, known_files
 from pawnb.workflow.provenance.record import trial_checksums, trial_fingerprint
 from pawnb.workflow.provenance.results import RESULT_FILES, results_folder
 from pawnb.workflow.reviewing.quality import QUALITY_FILE, read_verdict
-from pawnb.workflow.tracking.methods import settings_in_force
+from pawnb.workflow.tracking.methods import settings_in_force, trial_tracker
 
 _WAIT_S = 0.05
 
@@ -254,7 +254,8 @@ def is_tracked(
         If the trial, or a setting, cannot be used.
     """
     chosen = settings_in_force(trial, method=method, settings=settings)
-    step = _tracked_before(Path(out), trial.kind)
+    more = trial_tracker(trial, method).more_files
+    step = _tracked_before(Path(out), {*RESULT_FILES, *more})
     if step is None or not step.get("complete") or step["method"] != method:
         return False
     # as they come back from JSON
@@ -263,13 +264,12 @@ def is_tracked(
     return same and step["inputs"] == trial_checksums(trial)
 
 
-def _tracked_before(out: Path, kind: str) -> dict[str, Any] | None:
+def _tracked_before(out: Path, files: set[str]) -> dict[str, Any] | None:
     """Return the record of the last tracking in whole results, or None."""
     known = known_files(out)
     listed = {*known.files, MANIFEST}
     # results of an earlier version, perhaps corrected since, are without a verdict
-    needed = set(RESULT_FILES[kind]) - {QUALITY_FILE}
-    if not listed.issuperset(needed) or find_fault(out, run="track") is not None:
+    if not listed.issuperset(files - {QUALITY_FILE}) or find_fault(out, run="track") is not None:
         return None
     made = [step for step in known.steps_of("track") if step["step"] == "track"]
     return made[-1] if made else None

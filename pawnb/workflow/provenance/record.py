@@ -105,7 +105,7 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
     paths = [view.video for view in trial.views]
     paths += [view.background for view in trial.views if view.background]
     species = trial.animal.species
-    if trial.kind == "pose" and species and trial.path(species).is_file():
+    if trial.is_jointed and species and trial.path(species).is_file():
         paths.append(species)
     if trial.calibration is not None:
         paths += [p for p in (trial.calibration.of_views, trial.calibration.lens) if p]

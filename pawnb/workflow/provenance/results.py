@@ -34,20 +34,10 @@ _OF_ANALYSIS = ("events.csv", "strides.csv", "dropped.csv")
 
 _MOST_NAMED = 4
 
-RESULT_FILES = {
-    "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "notes.csv", QUALITY_FILE, MANIFEST),
-    "pose": (
-        "tracks.nc",
-        "tracks.csv",
-        "pose.csv",
-        "suspects.csv",
-        "notes.csv",
-        QUALITY_FILE,
-        MANIFEST,
-    ),
-    "tracks": (),
-}
-"""What tracking a trial of each kind always writes (see :mod:`.provenance.manifest`)."""
+RESULT_FILES = (
+    "tracks.nc", "tracks.csv", "suspects.csv", "notes.csv", QUALITY_FILE, MANIFEST,
+)  # fmt: skip
+"""What tracking always writes, beside :attr:`Tracker.more_files` (:mod:`.provenance.manifest`)."""
 
 
 def describe_trial(

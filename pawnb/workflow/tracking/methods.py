@@ -9,7 +9,7 @@ from typing import Any
 from pawnb.core.parameters import constants_of, parameters_of, read_parameters
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.settings import OfflineSettings
-from pawnb.core.paws.tracker import DEFAULT, AnyTracker, find_tracker, trackers
+from pawnb.core.paws.tracker import DEFAULT, AnyTracker, find_tracker, tracked_kinds, trackers
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.pose.space.settings import SpaceSettings
@@ -56,7 +56,7 @@ def trial_tracker(trial: Trial, method: str = DEFAULT) -> AnyTracker:
     InputError
         If nothing tracks trials of this kind, or no method has this name.
     """
-    trial.must_be("paws", "pose", or_else=NO_RECORDING)
+    trial.must_be(*tracked_kinds(), or_else=NO_RECORDING)
     return find_tracker(trial.kind, method)
 
 

@@ -5,13 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
-from pawnb.core.paws.offline.settings import FORMER_NAMES
-from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
+from pawnb.core.paws.tracker import trackers
 from pawnb.errors import InputError
-
-_PUBLISHED: dict[str, Mapping[str, str]] = {"paws": PAW_NAMES, "pose": POSE_NAMES}
-_FORMER: dict[str, Mapping[str, str]] = {"paws": FORMER_NAMES, "pose": {}}
 
 
 def refuse_published_names(names: Iterable[str], *, kind: str = "paws") -> None:
@@ -29,7 +24,10 @@ def refuse_published_names(names: Iterable[str], *, kind: str = "paws") -> None:
     InputError
         For the first of them, however its letters are cased and joined.
     """
-    papers, former = _PUBLISHED[kind], _FORMER[kind]
+    papers: dict[str, str] = {}
+    for tracker in trackers(kind).values():
+        papers |= tracker.published_names
+    former = _former_names(kind)
     plain = {_plain(theirs): theirs for theirs in papers}
     for name in names:
         if name in former:
@@ -45,7 +43,16 @@ def refuse_published_names(names: Iterable[str], *, kind: str = "paws") -> None:
 
 def with_present_names(settings: Mapping[str, Any], *, kind: str = "paws") -> dict[str, Any]:
     """Return settings that tracks record, those with a former name under the present one."""
-    return {_FORMER[kind].get(name, name): value for name, value in settings.items()}
+    former = _former_names(kind)
+    return {former.get(name, name): value for name, value in settings.items()}
+
+
+def _former_names(kind: str) -> dict[str, str]:
+    """Return what settings of the trackers of a kind were called, and are called now."""
+    former: dict[str, str] = {}
+    for tracker in trackers(kind).values():
+        former |= tracker.former_names
+    return former
 
 
 def _plain(name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pandas as pd
 
 from pawnb.arrays import IntArray
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.paws.offline.reuse.retracking import after_correction
@@ -73,10 +75,6 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if asked.learn else {})
     own = stage_parameters_of_tracks(trial, tracks)
-    clicks = clicks_of_frame(trial, tracks, frame)
-    begin = int(frame)
-    old: Tracks | None = tracks
-    given: dict[str, Any] = {}
     with contextlib.ExitStack() as stack:
         run = stack.enter_context(
             opened_run(
@@ -86,34 +84,29 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         )  # fmt: skip
         views = run.views
         rig = trial_rig(trial, views, method=tracker.name)
-        looked = clicks_learnt_from(tracks)
-        if tracker.is_offline and looked is not None:
-            clicks = clicks_by_hand(trial, tracks)
-            begin, old = int(known[0]), None
-            if tracks.attrs.get("evidence") == LEARNT:
-                framed_by = _first_clicks(tracks, looked)
-                given = _learnt_again(trial, tracks, frame, placed) | {"annotations": framed_by}
-            elif not asked.learn:
-                folder = results_folder(trial, asked.out)
-                if folder.is_dir():  # a run there would write the same candidates
-                    stack.enter_context(run_alone(folder))
-                store = reopen_store(trial, folder)
-                stack.callback(keep_store, store)
-                given = {"annotations": looked, "kept": KeptEvidence(store)}
-        span = (begin, int(known[-1]) + 1)
+        looked = clicks_learnt_from(tracks) if tracker.is_offline else None
+        joint = looked is not None
+        clicks = clicks_by_hand(trial, tracks) if joint else clicks_of_frame(trial, tracks, frame)
+        given: dict[str, Any] = {}
+        if looked is not None and tracks.attrs.get("evidence") == LEARNT:
+            framed_by = _first_clicks(tracks, looked)
+            given = _learnt_again(trial, tracks, frame, placed) | {"annotations": framed_by}
+        elif looked is not None and not asked.learn:
+            store = _kept_detections(trial, asked.out, stack)
+            given = {"annotations": looked, "kept": KeptEvidence(store)}
+        span = (int(known[0] if joint else frame), int(known[-1]) + 1)
         predictions = {}
         if tracker.is_offline:
             predictions = predictions_for(trial, views, clicks, frames=span)
         task = paw_task(
-            trial, rig, clicks, frames=span, tracks=old, predictions=predictions,
-            progress=run.report, stop=asked.stop,
+            trial, rig, clicks, frames=span, tracks=None if joint else tracks,
+            predictions=predictions, progress=run.report, stop=asked.stop,
         )  # fmt: skip
         corrected = Correction(learnt, **given)
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
         sizes = run.sizes
         tolerance = {name: _tolerance_px(reader.width) for name, reader in views.readers.items()}
     new = in_real_units(new, trial, units="px")
-    joint = old is None
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
         return tracks  # stopped: a part of the recording does not decide over the whole
     new = new.isel(time=np.isin(new["frame"], known))
@@ -126,6 +119,18 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         new, trial, settings=dataclasses.asdict(settings) | by_dotted_name(own), frame=int(frame),
         points=placed, learn=asked.learn, start=clicks.to_dict(orient="records"),
     )  # fmt: skip
+
+
+def _kept_detections(
+    trial: Trial, out: str | Path | None, stack: contextlib.ExitStack
+) -> DetectionCache:
+    """Return the detections that a run has kept; what is found now goes there, too."""
+    folder = results_folder(trial, out)
+    if folder.is_dir():  # a run there would write the same candidates
+        stack.enter_context(run_alone(folder))
+    store = reopen_store(trial, folder)
+    stack.callback(keep_store, store)
+    return store
 
 
 def _with_step(new: Tracks, trial: Trial, **said: Any) -> Tracks:

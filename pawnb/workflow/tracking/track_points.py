@@ -12,7 +12,7 @@ import pandas as pd
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
-from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import Tracks, add_provenance
@@ -23,7 +23,7 @@ from pawnb.workflow.provenance.results import describe_trial, make_folder, write
 from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
 from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
-from pawnb.workflow.tracking.opened_run import first_run, record_of_run
+from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.placed import start_clicks
 from pawnb.workflow.tracking.predicted import predictions_for
@@ -84,10 +84,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         if tracker.is_offline:
             span["predictions"] = predictions_for(trial, views, clicks, frames=(begin, last))
         task = paw_task(trial, rig, clicks, progress=run.report, stop=stop, **span)
-        stacks = None if store is None else session_stacks(store.source)
-        if stacks is not None and not asked.quick:
-            stacks.forget()
-        kept = KeptEvidence(store, stacks)
+        kept = KeptEvidence(store, _stacks(store, quick=asked.quick))
         go = tracker.track if earlier is None else tracker.resume
         tracks = go(views, clicks, task, settings=chosen, kept=kept)
         if gone_on_from := json.loads(tracks.attrs.pop(GONE_ON_FROM, "[]")):
@@ -97,13 +94,9 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)
         if not tracker.is_offline:
             tracks = shown_in_every_view(tracks, rig, run.sizes)
-        # where the rate varies these are the file's own time stamps
-        times = views.time_s[tracks["frame"].to_numpy()]
-        tracks = in_real_units(tracks, trial, units="px")
         if earlier is not None:
             step["gone_on_from"] = begin
-            tracks = join_earlier(earlier, tracks)
-        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=run.sizes)
+        tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
         tracks = add_likeness(views, tracks, clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
@@ -111,6 +104,24 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             write_track_results(tracks, out, rig=rig)
     tell_failed(tracks, complete=whole)
     return tracks
+
+
+def _described(tracks: Tracks, trial: Trial, run: OpenedRun, *, earlier: Tracks | None) -> Tracks:
+    """Return tracks in real units, with what an earlier run has found, times and the trial."""
+    # where the rate varies these are the file's own time stamps
+    times = run.views.time_s[tracks["frame"].to_numpy()]
+    tracks = in_real_units(tracks, trial, units="px")
+    if earlier is not None:
+        tracks = join_earlier(earlier, tracks)
+    return describe_trial(tracks.assign_coords(time=times), trial, sizes=run.sizes)
+
+
+def _stacks(store: DetectionCache | None, *, quick: bool) -> KeptStacks | None:
+    """Return pictures and flow that this session keeps: of earlier runs only where quick."""
+    stacks = None if store is None else session_stacks(store.source)
+    if stacks is not None and not quick:
+        stacks.forget()
+    return stacks
 
 
 def _store(

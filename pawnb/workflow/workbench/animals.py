@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.trial import Kind
+from pawnb.trial.kinds import TRAITS
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class AnimalChoice:
     @property
     def has_points(self) -> bool:
         """Whether points are tracked, which a person may name."""
-        return self.kind == "paws"
+        return not TRAITS[self.kind].is_jointed
 
 
 def _sides(n: int) -> tuple[str, ...]:

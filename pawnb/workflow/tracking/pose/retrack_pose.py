@@ -11,7 +11,7 @@ import numpy as np
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import posed_frames
-from pawnb.core.pose.poses import joint_positions
+from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.track_result import PoseTrack, join_tracks
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.video import ViewSet
@@ -76,14 +76,7 @@ def retrack_pose(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOpti
         If the frame is not among those of the tracks, or the animal has no pose there.
     """
     animal, old = animal_of(tracks), poses_of(tracks)
-    frames = old.poses.frames
-    here = int(np.searchsorted(frames, frame))
-    if here == len(frames) or frames[here] != frame:
-        raise InputError(
-            f"frame {frame} is not among the tracked frames {frames[0]} to {frames[-1]}."
-        )
-    if not np.isfinite(old.poses.xy[here]).all():
-        raise InputError(f"the animal has no pose in frame {frame}; pose it there first.")
+    frames, here = old.poses.frames, _row_of(frame, old.poses)
     tracker, settings = method_of_tracks(trial, tracks)
     own = stage_parameters_of_tracks(trial, tracks)
     limits, certain = _certain(tracks, old, here)
@@ -128,6 +121,19 @@ def retrack_pose(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOpti
         background=background.source,
     )
     return add_provenance(made, **step)
+
+
+def _row_of(frame: int, poses: Poses) -> int:
+    """Return the row of a corrected frame, which must have a pose."""
+    frames = poses.frames
+    here = int(np.searchsorted(frames, frame))
+    if here == len(frames) or frames[here] != frame:
+        raise InputError(
+            f"frame {frame} is not among the tracked frames {frames[0]} to {frames[-1]}."
+        )
+    if not np.isfinite(poses.xy[here]).all():
+        raise InputError(f"the animal has no pose in frame {frame}; pose it there first.")
+    return here
 
 
 def _certain(tracks: Tracks, old: PoseTrack, here: int) -> tuple[range, list[int]]:

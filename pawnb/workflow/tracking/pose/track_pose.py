@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.background import Background
@@ -37,7 +38,7 @@ from pawnb.workflow.tracking.methods import (
     tracker_settings,
     trial_tracker,
 )
-from pawnb.workflow.tracking.opened_run import first_run, record_of_run
+from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.pose.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.unfinished import open_kept_frames
@@ -81,8 +82,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
         _tell_doubts(animal, poses, reader, background)
-        is_free = not (asked.frames or trial.frames)
-        if not tracker.is_offline and is_free and background.n_frames > 1:
+        if background.n_frames > 1 and not (tracker.is_offline or asked.frames or trial.frames):
             span = _with_animal(reader, view, span, poses)
         step = record_of_run(
             trial, tracker, asked, frames=span, start=_without_blanks(table),
@@ -96,9 +96,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         track = go(views, poses, request, settings=chosen, kept=kept)
         run.end_progress()
         complete = not stop()
-        if not complete and not np.isfinite(track.poses.xy).any():
-            raise KeyboardInterrupt
-        track = _known_part(track, trial)
+        track = _known_part(track, trial, complete=complete)
         if asked.stop is None and not complete:
             _tell_interrupted(track, span)
         space = None
@@ -108,13 +106,10 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
                 progress=asked.progress, stop=stop, kept=kept,
             )  # fmt: skip
             complete = complete and not stop()
-        # where the rate varies these are the file's own time stamps
-        times = views.time_s[track.poses.frames]
         tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
-        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=run.sizes)
+        tracks = _described(tracks, trial, run, track.poses.frames)
+        made = {"complete": complete, "estimated": dict(track.estimated), "notes": notes}
         second = {} if space is None else {"second_view": str(trial.views[1].name)}
-        estimated = dict(track.estimated)
-        made = {"complete": complete, "estimated": estimated, "notes": notes}
         tracks = add_provenance(tracks, **step, **made, **second)
         if out is not None:
             write_track_results(tracks, out)
@@ -122,6 +117,13 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
             kept.remove()
     tell_failed(tracks, complete=complete)
     return tracks
+
+
+def _described(tracks: Tracks, trial: Trial, run: OpenedRun, frames: IntArray) -> Tracks:
+    """Return tracks with their times and what a reader needs to know of the trial."""
+    # where the rate varies these are the file's own time stamps
+    tracks = tracks.assign_coords(time=run.views.time_s[frames])
+    return describe_trial(tracks, trial, sizes=run.sizes)
 
 
 def _without_blanks(table: pd.DataFrame) -> list[dict[str, Any]]:
@@ -334,8 +336,10 @@ def _with_animal(
     return (shown.first, shown.last + 1) if inside.any() else span
 
 
-def _known_part(track: PoseTrack, trial: Trial) -> PoseTrack:
+def _known_part(track: PoseTrack, trial: Trial, *, complete: bool) -> PoseTrack:
     """Return the track from the first to the last frame in which there is a pose."""
+    if not complete and not np.isfinite(track.poses.xy).any():
+        raise KeyboardInterrupt
     known = np.flatnonzero(np.isfinite(track.poses.xy).all(axis=1))
     if not len(known):
         raise InputError(

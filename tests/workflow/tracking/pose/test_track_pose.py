@@ -37,7 +37,7 @@ def tracked(rendered_spider, tmp_path_factory):
 
 def test_files_and_columns_are_those_of_the_contract(tracked):
     tracks, out = tracked
-    assert sorted(path.name for path in out.iterdir()) == sorted(RESULT_FILES["pose"])
+    assert sorted(path.name for path in out.iterdir()) == sorted([*RESULT_FILES, "pose.csv"])
     table = pd.read_csv(out / "tracks.csv")
     assert tuple(table.columns) == TRACKS_COLUMNS
     assert {"body", "L1", "R4.MT"} < set(table["point"])
