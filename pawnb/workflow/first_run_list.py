@@ -23,7 +23,7 @@ from pawnb.io.tables import write_text
 from pawnb.trial import load_trial
 from pawnb.workflow.tracking.track import track
 
-_PARTS = {"pawnb.core.pose.space.": "space", "pawnb.core.jpeg.": LATER}
+_PARTS_OF_CODE = {"pawnb.core.pose.space.": "space", "pawnb.core.jpeg.": LATER}
 """What only trials of two views of an animal call, and what can wait: FFmpeg decodes, too."""
 
 
@@ -86,7 +86,7 @@ def make_list(trials: Sequence[str | Path]) -> dict[str, dict[str, list]]:
             track(trial, progress=lambda *_: None)
             for name, ways in called_functions().items():
                 part = next(
-                    (part for begin, part in _PARTS.items() if name.startswith(begin)),
+                    (part for begin, part in _PARTS_OF_CODE.items() if name.startswith(begin)),
                     str(trial.kind),
                 )
                 own = kinds.setdefault(part, {}).setdefault(name, [])

@@ -16,7 +16,7 @@ from pawnb.core.paws.offline.quality.likeness import keep_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.paws.offline.settings import OfflineSettings
-from pawnb.core.paws.offline.tracker import LEARNT
+from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
 from pawnb.errors import InputError
@@ -90,7 +90,7 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         if tracker.is_offline and looked is not None:
             clicks = clicks_by_hand(trial, tracks)
             begin, old = int(known[0]), None
-            if tracks.attrs.get("evidence") == LEARNT:
+            if tracks.attrs.get("evidence") == BY_LEARNT:
                 framed_by = _first_clicks(tracks, looked)
                 given = _learnt_again(trial, tracks, frame, placed) | {"annotations": framed_by}
             elif not asked.learn:
