@@ -28,7 +28,7 @@ from pawnb.core.video import open_views
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.methods import PAW_METHODS
 from pawnb.workflow.tracking.track import track
 
 COLOURS = {"FR": (60, 220, 60), "FL": (250, 230, 40), "HR": (250, 70, 60), "HL": (80, 140, 255)}
@@ -42,7 +42,9 @@ def main() -> None:
     parser.add_argument("out", type=Path, help="film (.avi, .mp4) or sheet of frames (.png)")
     parser.add_argument("--trial", type=Path, help="a trial; default: the real grey clip")
     parser.add_argument("--tracks", type=Path, help="tracks.nc; default: track it now")
-    parser.add_argument("--method", default=METHODS[0], choices=METHODS, help="(%(default)s)")
+    parser.add_argument(
+        "--method", default=PAW_METHODS[0], choices=PAW_METHODS, help="(%(default)s)"
+    )
     parser.add_argument("--frames", default="", help="first:stop:step, as in Python")
     parser.add_argument("--zoom", type=float, default=2.0, help="(%(default)s)")
     parser.add_argument("--fps", type=int, default=25, help="of the film (%(default)s)")

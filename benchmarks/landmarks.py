@@ -26,14 +26,14 @@ from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
 from pawnb.schema import START_COLUMNS, Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.methods import PAW_METHODS
 from pawnb.workflow.tracking.track import track
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     add_scene_arguments(parser)
-    parser.add_argument("--methods", nargs="*", choices=METHODS, default=["pawnb"])
+    parser.add_argument("--methods", nargs="*", choices=PAW_METHODS, default=["pawnb"])
     arguments = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as folder:

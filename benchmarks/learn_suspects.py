@@ -33,7 +33,7 @@ from suspects import SHARES, count, found, most
 from whole_accuracy import add_scene_arguments, clicks_at, scene_seed, silent, trials
 
 from pawnb.core.rig import load_rig
-from pawnb.core.suspects.rates import AROUND_FRAMES, CURVES, INTERCEPT, choose_looks
+from pawnb.core.suspects.rates import CURVES, INTERCEPT, WRONG_AROUND_FRAMES, choose_looks
 from pawnb.core.suspects.uncertainty import collect_doubts
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.tracking.track import track
@@ -165,7 +165,7 @@ def judge(one: Sample, intercept: float, curves: dict[str, np.ndarray]) -> list[
     """Return the frames to look at and their scores."""
     odds = design(one) @ np.concatenate([[intercept], *curves.values()])
     rates = 1.0 / (1.0 + np.exp(-odds.reshape(one.share.shape)))
-    looks = choose_looks(rates, one.frames, around=AROUND_FRAMES, least=SCORES[0])
+    looks = choose_looks(rates, one.frames, around=WRONG_AROUND_FRAMES, least=SCORES[0])
     return [(int(one.frames[t]), score) for t, score, *_ in looks]
 
 
@@ -180,8 +180,8 @@ def news(one: Sample, looks: list[tuple[int, float]]) -> list[tuple[float, int]]
     """Return score and errors found by each look that earlier ones have not found."""
     left, told = one.errors, []
     for frame, score in looks:
-        near = (left["first_frame"] - AROUND_FRAMES <= frame) & (
-            frame <= left["last_frame"] + AROUND_FRAMES
+        near = (left["first_frame"] - WRONG_AROUND_FRAMES <= frame) & (
+            frame <= left["last_frame"] + WRONG_AROUND_FRAMES
         )
         told.append((score, int(near.sum())))
         left = left[~near]

@@ -27,7 +27,7 @@ import pandas as pd
 
 from pawnb.core.rig import load_rig
 from pawnb.core.suspects.frames import find_suspects
-from pawnb.core.suspects.rates import AROUND_FRAMES
+from pawnb.core.suspects.rates import WRONG_AROUND_FRAMES
 from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
@@ -141,7 +141,10 @@ def found_together(lists: list[Listed], share: float) -> tuple[int, int]:
 def found(frames: Collection[int], errors: pd.DataFrame) -> int:
     """Return how many errors lie at, or near, one of the frames."""
     return sum(
-        any(e.first_frame - AROUND_FRAMES <= f <= e.last_frame + AROUND_FRAMES for f in frames)
+        any(
+            e.first_frame - WRONG_AROUND_FRAMES <= f <= e.last_frame + WRONG_AROUND_FRAMES
+            for f in frames
+        )
         for e in errors.itertuples()
     )
 
@@ -149,7 +152,9 @@ def found(frames: Collection[int], errors: pd.DataFrame) -> int:
 def most(frames: np.ndarray, errors: pd.DataFrame, k: int) -> int:
     """Return how many errors k frames can find when each is chosen by the truth."""
     first, last = errors["first_frame"].to_numpy(), errors["last_frame"].to_numpy()
-    near = (first - AROUND_FRAMES <= frames[:, None]) & (frames[:, None] <= last + AROUND_FRAMES)
+    near = (first - WRONG_AROUND_FRAMES <= frames[:, None]) & (
+        frames[:, None] <= last + WRONG_AROUND_FRAMES
+    )
     left = np.ones(len(errors), dtype=bool)
     for _ in range(k):
         left &= ~near[(near & left).sum(axis=1).argmax()]

@@ -27,7 +27,7 @@ from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation.errors import THRESHOLD_PX, ErrorReport, count_errors
-from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.methods import PAW_METHODS
 from pawnb.workflow.tracking.track import retrack, track
 
 REFERENCE_WIDTH_PX = 2048
@@ -55,7 +55,9 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the scene (%(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                         help="a setting of the tracker")  # fmt: skip
-    parser.add_argument("--method", default=METHODS[0], choices=METHODS, help="(%(default)s)")
+    parser.add_argument(
+        "--method", default=PAW_METHODS[0], choices=PAW_METHODS, help="(%(default)s)"
+    )
     parser.add_argument("--corrections", action="store_true",
                         help="also count interventions (tracks again after each)")  # fmt: skip
     arguments = parser.parse_args()

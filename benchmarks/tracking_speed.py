@@ -42,7 +42,7 @@ from pawnb.core.video import open_views
 from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.tracking.methods import METHODS, tracker_settings, trial_tracker
+from pawnb.workflow.tracking.methods import PAW_METHODS, tracker_settings, trial_tracker
 from pawnb.workflow.tracking.trial_views import points_by_view, trial_rig, view_facing
 
 STAGES = {"read_scene": "learn from clicks", "scan_video": "detections, decoding included",
@@ -62,7 +62,9 @@ def main() -> None:
     parser.add_argument("--trial", type=Path, help="a trial to use instead of rendering one")
     parser.add_argument("--frames", type=int, default=300, help="frames to use (%(default)s)")
     parser.add_argument("--scale", type=float, default=1.0, help="of 2048 x 700 (%(default)s)")
-    parser.add_argument("--method", default=METHODS[0], choices=METHODS, help="(%(default)s)")
+    parser.add_argument(
+        "--method", default=PAW_METHODS[0], choices=PAW_METHODS, help="(%(default)s)"
+    )
     parser.add_argument("--repeats", type=int, default=5, help="(%(default)s)")
     parser.add_argument("--memory", type=int, nargs="*", default=[], metavar="FRAMES",
                         help="also print the peak memory of tracking so many frames")  # fmt: skip

@@ -27,7 +27,7 @@ import pandas as pd
 from whole_accuracy import REFERENCE_WIDTH_PX, add_scene_arguments, silent, trials
 
 from pawnb.core.parameters import parameters_set, read_parameters
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.paws.offline.treadmill import tracker
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
@@ -35,7 +35,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.errors import THRESHOLD_PX, count_errors
 from pawnb.workflow.tracking.track import track
 
-Seen = list[list[Detections]]
+Seen = list[list[ColourDetections]]
 BEFORE = 1
 """Frames before it lifts off in which a paw is not seen any more."""
 OWN_WIDTHS, TAKEN_WIDTHS, AWAY_WIDTHS = 1.5, 1.0, 2.5

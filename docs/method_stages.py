@@ -124,7 +124,7 @@ COLOUR = Diagram(
         one("Scene", "scene", "What paws and their surroundings look like, by the clicks.",
             gives="scene.treadmill.Scene"),
         one("Detection", "detection.colour", "One pass over the video: ends of paw-coloured parts.",
-            gives="detection.colour.detections.Detections, "
+            gives="detection.colour.detections.ColourDetections, "
                   "detection.colour.observations.Observations"),
         one("Triangulation", "association.network_flow.triangulation",
             "Detections of two views that meet are places in space.", "Abdel-Aziz & Karara 1971",

@@ -89,3 +89,51 @@ def test_tests_lie_where_what_they_test_lies():
     beside = {"tests/benchmarks", "tests/browser", "tests/notebooks"}
     lost = {folder_of(path) for path in (ROOT / "tests").rglob("test_*.py")} - beside
     assert {name for name in lost if name.replace("tests", "pawnb", 1) not in rooms} == set()
+
+
+SHARED = {
+    "_HOME": "where each package whose names load when they are asked for has them",
+    "PUBLISHED_NAMES": "each method's own: what its paper calls a setting",
+}
+"""Names of constants that stand in several files, and why."""
+
+
+def named_constants(code):
+    """Yield the names in capitals that a module assigns at its top level."""
+    for node in code.body:
+        targets = node.targets if isinstance(node, ast.Assign) else []
+        if isinstance(node, ast.AnnAssign):
+            targets = [node.target]
+        made_by = getattr(getattr(node, "value", None), "func", None)
+        for target in () if getattr(made_by, "id", None) == "TypeVar" else targets:
+            names = (x.id for x in ast.walk(target) if isinstance(x, ast.Name))
+            yield from (name for name in names if name.lstrip("_").isupper())
+
+
+def places_of_names(found_in):
+    """Return each name to the files that define it, where several do."""
+    places = {}
+    for path in PACKAGE.rglob("*.py"):
+        code = ast.parse(path.read_text(encoding="utf-8"))
+        for name in found_in(code):
+            places.setdefault(name, []).append(path.relative_to(ROOT).as_posix())
+    assert len(places) > 500
+    return {name: sorted(files) for name, files in places.items() if len(files) > 1}
+
+
+def test_every_class_has_a_name_of_its_own():
+    def classes(code):
+        return (node.name for node in ast.walk(code) if isinstance(node, ast.ClassDef))
+
+    assert places_of_names(classes) == {}
+
+
+def test_a_constant_is_defined_once_and_its_name_means_one_thing():
+    """In the engine, gait, the workflow and the widgets."""
+    parts = ("core", "gait", "workflow", "widgets")
+    found = {
+        name: files
+        for name, files in places_of_names(named_constants).items()
+        if sum(file.split("/")[1] in parts for file in files) > 1
+    }
+    assert set(found) == set(SHARED), found

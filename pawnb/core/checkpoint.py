@@ -17,7 +17,7 @@ from pawnb.core.closing import Closing
 from pawnb.errors import InputError
 from pawnb.files import check_file, open_growing, write_at
 
-_HEAD = struct.Struct("<II")
+_RECORD_HEAD = struct.Struct("<II")
 
 
 class RecordFile(Closing):
@@ -71,7 +71,7 @@ class RecordFile(Closing):
         """
         if self._file is None:
             self._file = self._opened()
-        data = _HEAD.pack(len(record), zlib.crc32(record)) + record
+        data = _RECORD_HEAD.pack(len(record), zlib.crc32(record)) + record
         with self._refused():
             write_at(self._file, self._end, data)
         self._end += len(data)
@@ -98,7 +98,7 @@ class RecordFile(Closing):
         self._end = start
         while (record := _record_at(data, self._end)) is not None:
             self._records.append(record)
-            self._end += _HEAD.size + len(record)
+            self._end += _RECORD_HEAD.size + len(record)
 
     def _opened(self) -> FileIO:
         """Return the file, open where the next record belongs, without what is not of these."""
@@ -127,10 +127,10 @@ class RecordFile(Closing):
 
 def _record_at(data: bytes, at: int) -> bytes | None:
     """Return the record that begins there; None if it is not whole."""
-    if at + _HEAD.size > len(data):
+    if at + _RECORD_HEAD.size > len(data):
         return None
-    size, checksum = _HEAD.unpack_from(data, at)
-    body = data[at + _HEAD.size : at + _HEAD.size + size]
+    size, checksum = _RECORD_HEAD.unpack_from(data, at)
+    body = data[at + _RECORD_HEAD.size : at + _RECORD_HEAD.size + size]
     return body if len(body) == size and zlib.crc32(body) == checksum else None
 
 

@@ -35,7 +35,7 @@ HELPERS = "PAWNB_COMPILE_HELPERS"
 """Environment variable: how many processes help to compile; default one a processor but one."""
 _MOST_HELPERS = 3
 """More would wait for the longest function."""
-_LOOK_S = 0.02
+_WORKER_POLL_S = 0.02
 LATER = "later"
 _team: _Team | None = None
 """Who compiles now."""
@@ -244,7 +244,7 @@ class _Team(event.Listener):
             while not share.is_done(function.name) and self._is_helped():
                 other = next((name for name in shortest if self._claim(name, anew=True)), None)
                 if other is None:
-                    time.sleep(_LOOK_S)
+                    time.sleep(_WORKER_POLL_S)
                 else:
                     share.compile(other)
         finally:

@@ -19,7 +19,7 @@ import numpy as np
 from pawnb.core.checkpoint import RecordFile
 from pawnb.core.closing import Closing
 
-_SIZE = struct.Struct("<I")
+_RECORD_SIZE = struct.Struct("<I")
 _ARRAY = "ndarray"
 
 Record = Mapping[str, Any]
@@ -106,13 +106,13 @@ def _packed(record: Record) -> bytes:
         return {_ARRAY: [value.dtype.str, *value.shape]}
 
     text = json.dumps(record, default=named).encode()
-    return _SIZE.pack(len(text)) + text + b"".join(arrays)
+    return _RECORD_SIZE.pack(len(text)) + text + b"".join(arrays)
 
 
 def _unpacked(data: bytes) -> dict[str, Any]:
     """Return the record that :func:`_packed` made."""
-    (size,) = _SIZE.unpack_from(data)
-    at = _SIZE.size + size
+    (size,) = _RECORD_SIZE.unpack_from(data)
+    at = _RECORD_SIZE.size + size
 
     def filled(value: dict[str, Any]) -> Any:
         nonlocal at
@@ -123,5 +123,7 @@ def _unpacked(data: bytes) -> dict[str, Any]:
         at += flat.nbytes
         return flat.reshape(shape).copy()
 
-    record: dict[str, Any] = json.loads(data[_SIZE.size : _SIZE.size + size], object_hook=filled)
+    record: dict[str, Any] = json.loads(
+        data[_RECORD_SIZE.size : _RECORD_SIZE.size + size], object_hook=filled
+    )
     return record

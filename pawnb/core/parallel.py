@@ -12,7 +12,7 @@ _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 
 THREADS = 2
-_PARTS = 4
+_PARTS_A_THREAD = 4
 """Parts for each thread, so that none waits long for the last."""
 
 
@@ -74,7 +74,7 @@ def in_parts(work: Callable[..., _Result], *items: Iterable[Any]) -> list[_Resul
     """
     rows = list(zip(*items, strict=True))
     workers = os.cpu_count() or 1
-    size = max(1, -(-len(rows) // (_PARTS * workers)))
+    size = max(1, -(-len(rows) // (_PARTS_A_THREAD * workers)))
     parts = [rows[begin : begin + size] for begin in range(0, len(rows), size)]
     with Threads(workers) as pool:
         found = pool.map(lambda part: [work(*row) for row in part], parts)

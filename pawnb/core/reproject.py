@@ -15,7 +15,7 @@ from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance, check_tracks
 
-_KNOWN = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
+_FOUND_ORIGINS = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
 
 
 def reproject_tracks(
@@ -81,7 +81,7 @@ def fill_reprojected(
     views = [str(v) for v in tracks["view"].to_numpy() if str(v) in rig.names]
     points = ("time", "keypoint", "individual")
     xyz = tracks["position"].transpose(*points, "space").to_numpy()
-    known = np.isin(tracks["origin"].transpose(*points).to_numpy(), _KNOWN)
+    known = np.isin(tracks["origin"].transpose(*points).to_numpy(), _FOUND_ORIGINS)
     projected = rig.subset(views).project(np.where(known[..., None], xyz, np.nan))
     confidence = tracks["confidence"].transpose(*points).to_numpy()
     new = tracks.copy(deep=True)

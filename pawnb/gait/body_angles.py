@@ -14,7 +14,7 @@ from pawnb.schema import Tracks, check_tracks
 from pawnb.signals import butterworth_lowpass
 from pawnb.trial import Trial
 
-COLUMNS = ("frame", "time_s", "roll_deg", "pitch_deg", "yaw_deg")
+BODY_ANGLE_COLUMNS = ("frame", "time_s", "roll_deg", "pitch_deg", "yaw_deg")
 
 
 def body_angles(
@@ -108,7 +108,7 @@ def body_angles(
             "pitch_deg": np.degrees(np.arctan2(z, level)),
             "yaw_deg": np.degrees(np.arctan2(y, x)),
         },
-        columns=list(COLUMNS),
+        columns=list(BODY_ANGLE_COLUMNS),
     )
 
 

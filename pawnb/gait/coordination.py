@@ -9,7 +9,7 @@ from pawnb.gait.analysis.tables import GaitTables
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.phases.coupling import alternation_rule, coupling_strength, support_rule
 from pawnb.gait.phases.patterns import pattern_distances
-from pawnb.gait.strides.symmetry import MEASURES, symmetry_table
+from pawnb.gait.strides.symmetry import SYMMETRIC, symmetry_table
 from pawnb.gait.support import (
     regularity_index,
     support_shares,
@@ -46,7 +46,7 @@ def coordination_tables(tables: GaitTables) -> dict[str, pd.DataFrame]:
     if len(found.get("support", ())):
         found["support_shares"] = support_shares(found["support"])
     if len(strides):
-        measures = [name for name in MEASURES if strides[name].notna().any()]
+        measures = [name for name in SYMMETRIC if strides[name].notna().any()]
         found["symmetry"] = symmetry_table(strides, measures=measures)
     if len(phases):
         found["coupling"] = coupling_strength(phases)

@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-_RANKS = {"F": 1, "M": 2, "H": 3}
-_MANY = 4
+_RANK_LETTERS = {"F": 1, "M": 2, "H": 3}
+_MANY_LEGS = 4
 """From so many pairs of legs on, each leg is compared with all on its side."""
 _FORMS = (
     re.compile(r"(?P<rank>[FMH])(?P<side>[LR])"),  # mouse: FR, HR, FL, HL
@@ -51,7 +51,7 @@ def find_leg_place(name: str) -> LegPlace | None:
         found = form.fullmatch(name)
         if found:
             rank = found["rank"]
-            return LegPlace(found["side"], _RANKS.get(rank) or int(rank))
+            return LegPlace(found["side"], _RANK_LETTERS.get(rank) or int(rank))
     return None
 
 
@@ -74,7 +74,7 @@ def sort_legs(legs: Iterable[str]) -> list[str]:
         place = find_leg_place(name)
         if place is None:
             return 1, False, 0, name
-        right_first = name[0] in _RANKS
+        right_first = name[0] in _RANK_LETTERS
         return 0, (place.side == "L") == right_first, place.rank, name
 
     return sorted(set(legs), key=key)
@@ -106,7 +106,7 @@ def default_pairs(legs: Sequence[str]) -> list[tuple[str, str]]:
     sides = sorted({p.side for p in places}, reverse=True)  # right side first, as FR, HR, FL, HL
     ranks = sorted({p.rank for p in places})
     wanted = [(LegPlace("L", k), LegPlace("R", k)) for k in ranks]
-    if len(ranks) >= _MANY:
+    if len(ranks) >= _MANY_LEGS:
         apart = range(1, len(ranks))
         behind = [(a, b) for k in apart for a, b in zip(ranks, ranks[k:], strict=False)]
         wanted += [(LegPlace(s, a), LegPlace(s, b)) for a, b in behind for s in sides]

@@ -12,7 +12,7 @@ from pawnb.errors import InputError
 from pawnb.gait.groups.comparison import mean_by_animal
 from pawnb.schema import check_columns
 
-_FEWEST = 3
+_FEWEST_SHOWN = 3
 
 
 class Standardised(NamedTuple):
@@ -100,10 +100,10 @@ def standardise(table: pd.DataFrame) -> Standardised:
     InputError
         If there are fewer than three animals, or fewer than two measures are left.
     """
-    if len(table) < _FEWEST:
+    if len(table) < _FEWEST_SHOWN:
         raise InputError(
-            f"overview of measures: {len(table)} animals; expected {_FEWEST} or more, as two are "
-            "always one standard deviation apart in everything."
+            f"overview of measures: {len(table)} animals; expected {_FEWEST_SHOWN} or more, as two "
+            "are always one standard deviation apart in everything."
         )
     left_out = {}
     for name in table:

@@ -16,7 +16,7 @@ from pawnb.errors import InputError
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.schema import check_columns
 
-MEASURES = (
+REPEATABLE = (
     "period_s", "stance_s", "swing_s", "duty_factor", "stride_length", "speed",
     "step_displacement",
 )  # fmt: skip
@@ -324,7 +324,7 @@ def repeatability_table(
     first, second : pandas.DataFrame
         Their strides, of the same trials.
     measures : sequence of str, optional
-        Columns to compare; default those of :data:`MEASURES` that both have.
+        Columns to compare; default those of :data:`REPEATABLE` that both have.
     tolerance : float
         How far apart two starts may be; see :func:`match_strides`.
     level : float
@@ -343,7 +343,7 @@ def repeatability_table(
         If a measure is in neither table or no stride is shared.
     """
     pairs = match_strides(first, second, tolerance=tolerance)
-    shared = [m for m in MEASURES if m in first and m in second]
+    shared = [m for m in REPEATABLE if m in first and m in second]
     names = list(shared if measures is None else measures)
     check_columns(first, names, where="strides")
     check_columns(second, names, where="strides")

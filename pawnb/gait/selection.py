@@ -15,13 +15,13 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables
 from pawnb.gait.phases.phase_table import summarise_phases
+from pawnb.gait.strides.stride_table import TRIAL_KEYS
 from pawnb.schema import DROPPED_COLUMNS
 
 STEADINESS_COLUMNS = (
     "animal", "trial", "n_strides", "speed", "speed_cv", "heading_deg", "heading_sd_deg", "steady",
     "why",
 )  # fmt: skip
-_KEYS = ["animal", "trial"]
 
 
 def steadiness(
@@ -60,7 +60,7 @@ def steadiness(
         if not limit > 0:
             raise InputError(f"{name} is {limit}; expected a number above 0.")
     rows: list[dict[str, Any]] = []
-    for (animal, trial), own in strides.groupby(_KEYS, sort=False):
+    for (animal, trial), own in strides.groupby(TRIAL_KEYS, sort=False):
         speed = own["speed"].dropna().to_numpy(dtype=float)
         cv = float(speed.std(ddof=1) / abs(speed.mean())) if len(speed) > 1 else np.nan
         heading, spread = _heading(own)
@@ -129,16 +129,16 @@ def select_steady(tables: GaitTables, **thresholds: float) -> GaitTables:
             f"none of {len(table)} trials is steady ({first}); raise max_speed_cv or "
             "max_heading_sd_deg."
         )
-    wanted = pd.MultiIndex.from_frame(kept[_KEYS])
+    wanted = pd.MultiIndex.from_frame(kept[TRIAL_KEYS])
 
     def steady_rows(one: pd.DataFrame) -> pd.DataFrame:
-        return one[pd.MultiIndex.from_frame(one[_KEYS]).isin(wanted)].reset_index(drop=True)
+        return one[pd.MultiIndex.from_frame(one[TRIAL_KEYS]).isin(wanted)].reset_index(drop=True)
 
     out = table[~table["steady"]]
-    spans = tables.strides.groupby(_KEYS, sort=False)["start_s"].agg(["min", "max"])
+    spans = tables.strides.groupby(TRIAL_KEYS, sort=False)["start_s"].agg(["min", "max"])
     lost = [
         {
-            **{key: row[key] for key in _KEYS},
+            **{key: row[key] for key in TRIAL_KEYS},
             "leg": "",
             "start_s": spans.loc[(row["animal"], row["trial"]), "min"],
             "end_s": spans.loc[(row["animal"], row["trial"]), "max"],

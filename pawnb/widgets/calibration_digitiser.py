@@ -26,7 +26,7 @@ from pawnb.workflow.calibration.known_points import read_known_points
 from pawnb.workflow.calibration.scale import write_scale
 from pawnb.workflow.calibration.wand import read_lenses
 
-_KEYS = (
+_DIGITISER_KEYS = (
     ("Click", "place the point that is asked for; a hollow diamond is where the view shows it"),
     ("Drag a point", "adjust it; the number beside it is its residual in px"),
     ("S", "snap clicks to the centre of the ball or round mark that they are on, or no more"),
@@ -141,7 +141,7 @@ class CalibrationDigitiser(FrameCanvas):
             self.measuring = ScaleClicks()
         super().__init__(self._own_views, span=span, **options)
         self.label = "Calibrate the views"
-        self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
+        self.keys_help = [list(line) for line in (*_DIGITISER_KEYS, *MOUSE_AND_KEYS)]
         self.tell_selected = True
         self._show_state()
         self.observe(self._look_at, names="frame")

@@ -15,9 +15,9 @@ from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
 from pawnb.workflow.calibration.name_in_trial import name_calibration
 
-_ROW = {"flex_flow": "row wrap", "align_items": "center"}
-_WIDE = {"width": "26em"}
-_WAYS = (
+_CALIBRATION_ROW = {"flex_flow": "row wrap", "align_items": "center"}
+_CALIBRATION_WIDTH = {"width": "26em"}
+_CALIBRATION_WAYS = (
     ("two clicks a known distance apart (one view)", "scale"),
     ("known points: a table point, x, y, z", "points"),
     ("pictures of a checkerboard or ChArUco board", "board"),
@@ -49,18 +49,24 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         super().__init__()
         self.trial, self._done, self._options = trial, done, options
         self.digitiser: CalibrationDigitiser | None = None
-        ways = _WAYS if len(trial.views) == 1 else (*_WAYS[1:], _WAYS[0])
-        self.way = widgets.Dropdown(options=ways, description="by", layout=_WIDE)
+        ways = (
+            _CALIBRATION_WAYS
+            if len(trial.views) == 1
+            else (*_CALIBRATION_WAYS[1:], _CALIBRATION_WAYS[0])
+        )
+        self.way = widgets.Dropdown(options=ways, description="by", layout=_CALIBRATION_WIDTH)
         tables = sorted(p.name for p in trial.folder.glob("*") if p.suffix in (".csv", ".toml"))
         self.file = widgets.Combobox(
             options=tables, placeholder="a file in the trial's folder", description="file",
-            layout=_WIDE,
+            layout=_CALIBRATION_WIDTH,
         )  # fmt: skip
         self.length = widgets.Text(placeholder="its length", description="wand")
         self.squares = widgets.Text(placeholder="8 x 6, or by a file", description="squares")
         self.side = widgets.Text(placeholder="side of one", description="each")
         self.films = {
-            view.name: widgets.Text(value=view.video, description=view.name, layout=_WIDE)
+            view.name: widgets.Text(
+                value=view.video, description=view.name, layout=_CALIBRATION_WIDTH
+            )
             for view in trial.views
         }
         begin = widgets.Button(description="Show the pictures", button_style="primary")
@@ -78,9 +84,12 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         self._draft = FormDraft(trial.folder / ".calibration-draft.json", named | films)
         self._show_fields()
         self.children = (
-            widgets.HBox([self.way, self.file, self.length, self.squares, self.side], layout=_ROW),
-            widgets.HBox([*self.films.values()], layout=_ROW),
-            widgets.HBox([begin, use, self._told], layout=_ROW), self._place,
+            widgets.HBox(
+                [self.way, self.file, self.length, self.squares, self.side],
+                layout=_CALIBRATION_ROW,
+            ),
+            widgets.HBox([*self.films.values()], layout=_CALIBRATION_ROW),
+            widgets.HBox([begin, use, self._told], layout=_CALIBRATION_ROW), self._place,
         )  # fmt: skip
 
     def begin(self) -> None:

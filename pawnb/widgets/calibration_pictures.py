@@ -21,16 +21,17 @@ from pawnb.errors import InputError
 from pawnb.io.boards import Board
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.widgets.calibration_clicks import CalibrationDraft
+from pawnb.widgets.calibration_points import ASIDE_COLOUR
 from pawnb.workflow.calibration.board import find_boards, numbered
 from pawnb.workflow.calibration.written import Written, write_calibration
 
 PICTURE_FILE = "calibration_pictures.csv"
-COLUMNS = ("view", "frame", "what")
+PICTURE_COLUMNS = ("view", "frame", "what")
 ASIDE, FLOOR = "set aside", "floor"
 BOARD = "board"
 """The name of the one button above each view."""
 
-_USED, _ASIDE_COLOUR = "#009e73", "#999999"
+_USED_COLOUR = "#009e73"
 
 Slot = tuple[str, int]
 """View and frame."""
@@ -224,7 +225,7 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
         row = self.shot(view, frame)
         by_hand = (view, frame) in self.aside
         is_aside = by_hand or (row is not None and bool(row["set_aside"]))
-        colour = _ASIDE_COLOUR if is_aside else _USED
+        colour = ASIDE_COLOUR if is_aside else _USED_COLOUR
         off = "" if row is None else f", {row['rms_px']:.2f} px RMS"
         if uv is None:
             state, words = "open", "not looked for yet" if self.sightings is None else "not found"
@@ -264,7 +265,7 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
         rows = [(view, frame, ASIDE) for view, frame in sorted(self.aside)]
         if self.floor is not None:
             rows.append(("", self.floor, FLOOR))
-        write_table(pd.DataFrame(rows, columns=list(COLUMNS)), self.path)
+        write_table(pd.DataFrame(rows, columns=list(PICTURE_COLUMNS)), self.path)
 
     def _look_at_change(self, before: _PicturesState) -> None:
         for view, frame in before.aside ^ self.aside:
@@ -276,7 +277,7 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
     def _read(self) -> _PicturesState:
         """Read the choices there are."""
         where = self.path.name
-        table = read_cells(self.path, COLUMNS)
+        table = read_cells(self.path, PICTURE_COLUMNS)
         frames = read_numbers(table, "frame", where=where, whole=True)
         aside, floor = set(), None
         for view, frame, what in zip(table["view"], frames, table["what"], strict=True):

@@ -28,12 +28,12 @@ from pawnb.workflow.calibration.written import Written
 from pawnb.workflow.export.colours import point_colours
 
 CLICK_FILE = "calibration_clicks.csv"
-COLUMNS = ("view", "point", "u", "v", "frame", "set_aside")
+CALIBRATION_COLUMNS = ("view", "point", "u", "v", "frame", "set_aside")
 LIMIT_PX = 3.0
 """Clicks further from where the view shows their point are pointed out: three times what a hand
 that aims at a mark is off by (about 1 px, set by hand)."""
 
-_ASIDE_COLOUR = "#999999"
+ASIDE_COLOUR = "#999999"
 
 Slot = tuple[str, str]
 """View and point."""
@@ -120,7 +120,7 @@ class PointCalibration(ClickDraft[_ClicksState]):
              int((view, point) in self.aside))
             for view in self.sizes for point in self.known if (view, point) in self._state.clicks
         ]  # fmt: skip
-        return pd.DataFrame(rows, columns=list(COLUMNS))
+        return pd.DataFrame(rows, columns=list(CALIBRATION_COLUMNS))
 
     # --- what a person does -------------------------------------------------------------
 
@@ -215,7 +215,7 @@ class PointCalibration(ClickDraft[_ClicksState]):
             if uv is not None:
                 points.append(
                     {"id": point, "u": uv[0], "v": uv[1],
-                     "colour": _ASIDE_COLOUR if is_aside else colour,
+                     "colour": ASIDE_COLOUR if is_aside else colour,
                      "origin": "predicted" if is_aside else "measured"}
                 )  # fmt: skip
             off = f", {residuals[slot]:.2f} px off" if slot in residuals else ""
@@ -276,16 +276,16 @@ class PointCalibration(ClickDraft[_ClicksState]):
     def _read(self) -> _ClicksState:
         """Read the clicks there are."""
         where = self.path.name
-        table = read_cells(self.path, COLUMNS[:4])
+        table = read_cells(self.path, CALIBRATION_COLUMNS[:4])
         numbers = {name: read_numbers(table, name, where=where) for name in ("u", "v")}
         more = {
             name: read_numbers(table, name, where=where, whole=True)
-            for name in COLUMNS[4:]
+            for name in CALIBRATION_COLUMNS[4:]
             if name in table
         }
         table = table.assign(frame=self.span[0], set_aside=0).assign(**numbers, **more)
         clicks, frames, aside = {}, {}, set()
-        columns = (table[name].tolist() for name in COLUMNS)
+        columns = (table[name].tolist() for name in CALIBRATION_COLUMNS)
         for view, point, u, v, frame, is_aside in zip(*columns, strict=True):
             slot = (str(view), str(point))
             self._slot(*slot)

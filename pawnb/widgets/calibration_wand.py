@@ -20,14 +20,14 @@ from pawnb.core.calibration.scene_lines import scene_lines
 from pawnb.core.lens import Lens
 from pawnb.errors import InputError
 from pawnb.widgets.calibration_clicks import ClickDraft, ClickState
+from pawnb.widgets.calibration_points import ASIDE_COLOUR
 from pawnb.workflow.calibration.wand import WAND_COLUMNS, calibrate_ends, read_ends
 from pawnb.workflow.calibration.written import Written, write_calibration
 
 WAND_FILE = "calibration_wand.csv"
-ENDS = {"end 1": "#e69f00", "end 2": "#56b4e9"}
+WAND_COLOURS = {"end 1": "#e69f00", "end 2": "#56b4e9"}
 """Both ends and their colours (Okabe & Ito 2008)."""
 
-_ASIDE_COLOUR = "#999999"
 
 Slot = tuple[str, int, str]
 """View, frame and end."""
@@ -76,7 +76,7 @@ class WandClicks(ClickDraft[ClickState]):
         super().__init__(folder / WAND_FILE, sizes=sizes, span=span)
         if not (np.isfinite(length) and length > 0):
             raise InputError(f"the wand is {length:g} long; expected a length above 0.")
-        self.length, self.lenses, self.names = float(length), lenses, tuple(ENDS)
+        self.length, self.lenses, self.names = float(length), lenses, tuple(WAND_COLOURS)
         self.fitted: WandFit | None = None
         self._state = self._read() if self.path.exists() else ClickState()
         self._fitted_state: ClickState | None = None
@@ -93,7 +93,8 @@ class WandClicks(ClickDraft[ClickState]):
         """Return in how many frames two views or more have both ends."""
         whole = {
             (v, f) for v, f, end in self._state.clicks
-            if all((v, f, e) in self._state.clicks for e in ENDS) and (v, f) not in self.aside
+            if (v, f) not in self.aside
+            and all((v, f, e) in self._state.clicks for e in WAND_COLOURS)
         }  # fmt: skip
         frames = [f for _, f in whole]
         return sum(frames.count(f) >= 2 for f in set(frames))
@@ -191,11 +192,11 @@ class WandClicks(ClickDraft[ClickState]):
         """Return what is drawn over a view at a frame; see ``frame_canvas.Overlay``."""
         is_aside = (view, frame) in self.aside
         points, chips = [], []
-        for end, colour in ENDS.items():
+        for end, colour in WAND_COLOURS.items():
             uv = self._state.clicks.get((view, frame, end))
             state, words = "open", "not clicked at this frame"
             if uv is not None:
-                shown = _ASIDE_COLOUR if is_aside else colour
+                shown = ASIDE_COLOUR if is_aside else colour
                 origin = "predicted" if is_aside else "measured"
                 points.append(
                     {"id": end, "u": uv[0], "v": uv[1], "colour": shown, "origin": origin}
@@ -205,8 +206,8 @@ class WandClicks(ClickDraft[ClickState]):
             chips.append({"id": end, "colour": colour, "state": state, "title": f"{end}: {words}"})
         at = [[p["u"], p["v"]] for p in points]
         lines: list[dict[str, object]] = []
-        if len(at) == len(ENDS):
-            lines.append({"at": at, "colour": _ASIDE_COLOUR if is_aside else "#ffffff"})
+        if len(at) == len(WAND_COLOURS):
+            lines.append({"at": at, "colour": ASIDE_COLOUR if is_aside else "#ffffff"})
         hollow: list[dict[str, object]] = []
         if self.fitted is not None:
             camera = next(c for c in self.fitted.cameras if c.name == view)
@@ -236,13 +237,13 @@ class WandClicks(ClickDraft[ClickState]):
         for view, frame, end in self._changed_slots(before):
             self.frame, self.current = frame, (view, end)
         for view, frame in before.aside ^ self.aside:
-            self.frame, self.current = frame, (view, next(iter(ENDS)))
+            self.frame, self.current = frame, (view, next(iter(WAND_COLOURS)))
 
     def _slot(self, view: str, end: str) -> Slot:
         """Return view, frame and end, refusing unknown ones."""
-        if view not in self.sizes or end not in ENDS:
+        if view not in self.sizes or end not in WAND_COLOURS:
             raise InputError(
-                f"there is no {end!r} in view {view!r}; a wand has {' and '.join(ENDS)}."
+                f"there is no {end!r} in view {view!r}; a wand has {' and '.join(WAND_COLOURS)}."
             )
         return view, self.frame, end
 

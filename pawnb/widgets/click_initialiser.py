@@ -17,7 +17,7 @@ from pawnb.widgets.start_session import StartSession
 from pawnb.widgets.start_words import what_contradicts
 from pawnb.workflow.start.propose import StartProposal, propose_paws
 
-_KEYS = (
+_CLICK_KEYS = (
     ("Click", "place the point that is asked for; the next is asked for by itself"),
     (
         "Drag a point",
@@ -96,7 +96,7 @@ class ClickInitialiser(FrameCanvas):
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
         self.label = "Click the start points"
         self.link_views(self.session.rig)
-        self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
+        self.keys_help = [list(line) for line in (*_CLICK_KEYS, *MOUSE_AND_KEYS)]
         self.tell_selected = True
         self._show_state()
         self.observe(self._look_at, names="frame")

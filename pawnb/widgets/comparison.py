@@ -15,9 +15,9 @@ from pawnb.schema import SUSPECTS_COLUMNS, Tracks, check_tracks
 
 APART = 10
 """Differences of one point are listed so many frames apart: the largest of those between."""
-LEAST_PX = 1.0
+LEAST_DIFFERENCE_PX = 1.0
 """Smaller differences are not listed."""
-_MOST = 200
+_MOST_LISTED = 200
 
 
 class Comparison:
@@ -106,8 +106,8 @@ class Comparison:
             if point not in self.listed:
                 continue
             far = np.nan_to_num(self.farthest(tracks)[:, p], nan=0.0)
-            for _ in range(_MOST):
-                if far.max(initial=0.0) < LEAST_PX:
+            for _ in range(_MOST_LISTED):
+                if far.max(initial=0.0) < LEAST_DIFFERENCE_PX:
                     break
                 row = int(far.argmax())
                 view = self.views[int(np.nanargmax(every[row, :, p]))]
@@ -115,7 +115,7 @@ class Comparison:
                 rows.append((int(self.frames[row]), view, point, words, float(far[row])))
                 far[np.abs(self.frames - self.frames[row]) < APART] = 0.0
         table = pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
-        return table.sort_values("score", ascending=False, kind="stable").head(_MOST)
+        return table.sort_values("score", ascending=False, kind="stable").head(_MOST_LISTED)
 
     def marks(self, frame: int, view: str, colours: Mapping[str, str]) -> list[dict[str, Any]]:
         """Return where the other tracks have the points of a view.

@@ -9,8 +9,8 @@ from pawnb.widgets.frame_canvas import NO_PLACING, FrameCanvas, Overlay
 from pawnb.workflow.workbench.new_trial import NewTrial, NewView
 
 _LEFT_TOP, _RIGHT_BOTTOM = "left top", "right bottom"
-_COLOUR = "#F0E442"
-_LEAST_PX = 16
+DRAWN_COLOUR = "#F0E442"
+_LEAST_CROP_PX = 16
 """No side of a view is shorter: it would hold no animal."""
 
 
@@ -43,11 +43,11 @@ def drag_corner(
     width, height = size
     u0, v0, u1, v1 = crop or (0, 0, width, height)
     if corner == _LEFT_TOP:
-        u0 = min(max(0, round(u)), u1 - _LEAST_PX)
-        v0 = min(max(0, round(v)), v1 - _LEAST_PX)
+        u0 = min(max(0, round(u)), u1 - _LEAST_CROP_PX)
+        v0 = min(max(0, round(v)), v1 - _LEAST_CROP_PX)
     else:
-        u1 = max(min(width, round(u) + 1), u0 + _LEAST_PX)
-        v1 = max(min(height, round(v) + 1), v0 + _LEAST_PX)
+        u1 = max(min(width, round(u) + 1), u0 + _LEAST_CROP_PX)
+        v1 = max(min(height, round(v) + 1), v0 + _LEAST_CROP_PX)
     return None if (u0, v0, u1, v1) == (0, 0, width, height) else (u0, v0, u1, v1)
 
 
@@ -106,7 +106,7 @@ class CropCanvas(FrameCanvas):
         width, height = self._made.size(view)
         u0, v0, u1, v1 = view.crop or (0, 0, width, height)
         left, top, right, bottom = u0, v0, u1 - 1, v1 - 1
-        own = {"colour": _COLOUR}
+        own = {"colour": DRAWN_COLOUR}
         ring = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
         return {
             "points": [

@@ -14,12 +14,12 @@ from pawnb.core.video.views import Frame
 from pawnb.widgets.picture_layers import PictureLayers, shaded, slider
 from pawnb.widgets.stick_session import StickSession
 
-LAYERS = {
+FIT_LAYERS = {
     "darkness": "What is dark",
     "painted": "The animal as painted",
     "unexplained": "What stays unexplained",
 }
-SETTINGS = {
+FIT_SLIDERS = {
     "working_span_px": ("Working leg span, px", 5.0, (50.0, 600.0)),
     "blur_px": ("Blur, working px", 0.05, (0.1, 4.0)),
     "unexplained_sd": ("Unexplained darkness, SD", 0.01, (0.01, 0.5)),
@@ -37,8 +37,8 @@ _POOR = 0.6
 class FitLayers(PictureLayers[Frame, FitView]):
     """Evidence, model and difference of method ``pawnb``."""
 
-    names = LAYERS
-    sliders_of = {name: words for name, (words, _, _) in SETTINGS.items()}  # noqa: RUF012
+    names = FIT_LAYERS
+    sliders_of = {name: words for name, (words, _, _) in FIT_SLIDERS.items()}  # noqa: RUF012
 
     @property
     def settings(self) -> PoseSettings:
@@ -59,7 +59,7 @@ class FitLayers(PictureLayers[Frame, FitView]):
                 limits=limits,
                 title=f"{name} of method pawnb; default {getattr(usual, name):g}",
             )
-            for name, (words, step, limits) in SETTINGS.items()
+            for name, (words, step, limits) in FIT_SLIDERS.items()
         ]
 
     def paint(self, view: FitView, layer: str) -> np.ndarray:

@@ -19,13 +19,13 @@ from pawnb.widgets.plot_canvas import make_canvas
 from pawnb.widgets.plot_theme import fit_figure, set_theme
 from pawnb.widgets.surroundings import Surroundings
 
-_REACH = 0.02
+_REACH_OF_PLOT = 0.02
 """How near to an event a click must be, as a share of the width of the axes: about 12 px."""
 _STILL = 0.004
 """A shorter way of the pointer is a click, not a drag: about 3 px."""
-_WRONG = {False: "#A33B00", True: "#FF9E64"}
+_WRONG_IN_PLOT = {False: "#A33B00", True: "#FF9E64"}
 """Colour of words on what is wrong, on a light and on a dark page."""
-_SIZE_PX, _BESIDE_PX = (1000, 640), 330
+_GAIT_SIZE_PX, _BESIDE_GAIT_PX = (1000, 640), 330
 """Size of the plots before a page shows them, which is their greatest height; and height of the
 window that buttons and menus take."""
 _WRAP = {"flex_flow": "row wrap"}
@@ -73,7 +73,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
         super().__init__()
         self.session = GaitSession(tables, path)
-        self._figure = Figure(figsize=(_SIZE_PX[0] / 100, _SIZE_PX[1] / 100), dpi=100)
+        self._figure = Figure(figsize=(_GAIT_SIZE_PX[0] / 100, _GAIT_SIZE_PX[1] / 100), dpi=100)
         self._canvas = make_canvas(self._figure)
         self._panels = GaitPanels(self._figure, self.session)
         self._pressed: float | None = None
@@ -162,7 +162,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _tell(self, text: str, *, wrong: bool = False) -> None:
         """Say something below the buttons, offer what can be done, and show the plots."""
         self._told.value = text
-        self._told.style.text_color = _WRONG[self._around.dark] if wrong else None
+        self._told.style.text_color = _WRONG_IN_PLOT[self._around.dark] if wrong else None
         session, edits = self.session, self.session.edits
         self._undo.disabled, self._redo.disabled = not edits.can_undo, not edits.can_redo
         self._delete.disabled = session.event is None
@@ -181,7 +181,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)
-        fit_figure(self._figure, room=room, highest_px=_SIZE_PX[1], beside_px=_BESIDE_PX)
+        fit_figure(self._figure, room=room, highest_px=_GAIT_SIZE_PX[1], beside_px=_BESIDE_GAIT_PX)
 
     def _draw(self) -> None:
         """Draw everything anew."""
@@ -263,7 +263,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             if start_s is not None:
                 session.pick(before, start_s)
         elif event.inaxes is panels.signal:
-            within_s, kinds = _REACH * self._width(), panels.kinds_at(float(event.ydata))
+            within_s, kinds = _REACH_OF_PLOT * self._width(), panels.kinds_at(float(event.ydata))
             session.pick_event(float(event.xdata), within_s=within_s, kinds=kinds)
             self._pressed = float(event.xdata) if session.event is not None else None
         if session.shown_leg != before:

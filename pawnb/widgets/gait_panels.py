@@ -20,7 +20,7 @@ from matplotlib.patheffects import withStroke
 
 from pawnb import figures
 from pawnb.figures.style import OKABE_ITO
-from pawnb.widgets.gait_session import KINDS, GaitSession
+from pawnb.widgets.gait_session import EVENT_KINDS, GaitSession
 from pawnb.widgets.plot_theme import SCREEN_PT, on_screen
 
 _PICKED = OKABE_ITO["yellow"]
@@ -195,7 +195,7 @@ class GaitPanels:
         """
         if len(self.session.kinds()) < 2:
             return 0.0, 1.0
-        return (0.5, 1.0) if event in KINDS[0] else (0.0, 0.5)
+        return (0.5, 1.0) if event in EVENT_KINDS[0] else (0.0, 0.5)
 
     def kinds_at(self, height: float) -> list[str]:
         """Return the kinds of events that stand at a height of the signal's axis."""

@@ -21,10 +21,10 @@ from pawnb.gait.events.event_edits import (
 )
 from pawnb.gait.legs import sort_legs
 
-_CLOSE_S = 1e-6
-KINDS = (("AEP", "PEP"), ("TD", "LO"))
+_JUST_AFTER_S = 1e-6
+EVENT_KINDS = (("AEP", "PEP"), ("TD", "LO"))
 """Events of the extremes of a leg, and of its contact."""
-_ALL = KINDS[0] + KINDS[1]
+_ALL = EVENT_KINDS[0] + EVENT_KINDS[1]
 _SIGNALS = (LEG_ANGLE, POSITION, HEIGHT)
 
 
@@ -194,7 +194,7 @@ class GaitSession:
         """Return the stride that is picked, with its measures."""
         if self.stride is None:
             return None
-        return self._stride_at(self.stride[0], self.stride[1] + _CLOSE_S)
+        return self._stride_at(self.stride[0], self.stride[1] + _JUST_AFTER_S)
 
     def picked_phases(self) -> list[float]:
         """Return the phases of the pair that the picked stride gives.
@@ -212,12 +212,14 @@ class GaitSession:
         base = base[base["leg"] == reference][["stride", "start_s", "period_s"]]
         both = own.merge(base, on="stride")
         at = both["start_s"] + both["phase"] * both["period_s"]
-        return both.loc[(at - stride["start_s"]).abs() < _CLOSE_S, "phase"].astype(float).tolist()
+        return (
+            both.loc[(at - stride["start_s"]).abs() < _JUST_AFTER_S, "phase"].astype(float).tolist()
+        )
 
     def kinds(self) -> tuple[tuple[str, str], ...]:
         """Return the kinds of events that :attr:`shown_leg` has: extremes, contact, or both."""
         known = set(self.leg_events["event"])
-        return tuple(pair for pair in KINDS if known & set(pair))
+        return tuple(pair for pair in EVENT_KINDS if known & set(pair))
 
     def pick_event(
         self, time_s: float, *, within_s: float, kinds: Sequence[str] = _ALL
@@ -336,7 +338,7 @@ class GaitSession:
         self._missed = ""
         found = self.picked()
         if self.stride is not None and (
-            found is None or abs(float(found["start_s"]) - self.stride[1]) > _CLOSE_S
+            found is None or abs(float(found["start_s"]) - self.stride[1]) > _JUST_AFTER_S
         ):
             self.stride = None
 

@@ -15,11 +15,11 @@ from pawnb.gait.analysis.run import analyse
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial
 
-UNKNOWN = 255
+UNKNOWN_LEVEL = 255
 """Confidence of a point that is missing, and standard deviation that is not known."""
 FULL = 250
 """Confidence 1, and the largest standard deviation that can be told from larger ones."""
-EDITED, SUSPECT, STANCE, PREDICTED = 1, 2, 4, 8
+IS_EDITED, SUSPECT, STANCE, IS_PREDICTED = 1, 2, 4, 8
 """Bits of the third byte."""
 
 Stances = Mapping[str, Sequence[tuple[float, float]]]
@@ -75,15 +75,15 @@ def build_lanes(
     -------
     ndarray of uint8, shape (points, frames, 3)
         Of every frame from the first to the last: confidence (0 to 250, 255 where missing),
-        standard deviation (0 to 250, 255 where not known), and the bits of :data:`EDITED`,
-        :data:`SUSPECT`, :data:`STANCE` and :data:`PREDICTED`.
+        standard deviation (0 to 250, 255 where not known), and the bits of :data:`IS_EDITED`,
+        :data:`SUSPECT`, :data:`STANCE` and :data:`IS_PREDICTED`.
     """
     frames = tracks["frame"].to_numpy()
     first, n = int(frames[0]), int(frames[-1] - frames[0]) + 1
     names = [str(name) for name in tracks["keypoint"].to_numpy()]
     chosen = [names.index(point) for point in points]
     lanes = np.zeros((len(chosen), n, 3), dtype=np.uint8)
-    lanes[..., :2] = UNKNOWN
+    lanes[..., :2] = UNKNOWN_LEVEL
     at = frames - first
     spread = _spread(tracks) if spread is None else spread
     confidence, sd = _confidence(tracks)[:, chosen], spread[:, chosen]
@@ -138,9 +138,9 @@ def find_stances(tracks: Tracks, trial: Trial) -> dict[str, list[tuple[float, fl
 def _bytes(values: np.ndarray, full: float) -> np.ndarray:
     """Return values from 0 to ``full`` as bytes."""
     if full <= 0:
-        return np.full(values.shape, UNKNOWN, dtype=np.uint8)
+        return np.full(values.shape, UNKNOWN_LEVEL, dtype=np.uint8)
     scaled = np.clip(np.nan_to_num(values) / full, 0, 1) * FULL
-    return np.where(np.isfinite(values), np.round(scaled), UNKNOWN).astype(np.uint8)
+    return np.where(np.isfinite(values), np.round(scaled), UNKNOWN_LEVEL).astype(np.uint8)
 
 
 def _confidence(tracks: Tracks) -> np.ndarray:
@@ -169,4 +169,4 @@ def _origin_bits(tracks: Tracks) -> np.ndarray:
     edited = (origin == ORIGIN_CODE["edited"]).any(axis=1)
     seen = np.isin(origin, [ORIGIN_CODE[word] for word in ("measured", "resolved", "edited")])
     predicted = (origin == ORIGIN_CODE["predicted"]).any(axis=1) & ~seen.any(axis=1)
-    return (EDITED * edited + PREDICTED * predicted).astype(np.uint8)
+    return (IS_EDITED * edited + IS_PREDICTED * predicted).astype(np.uint8)

@@ -15,18 +15,18 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.surroundings import read_static
 
-MOST_FRAMES = 50
+MOST_PAGE_FRAMES = 50
 """Frames that a page has where none are chosen."""
 
-_DARK = (
+_DARK_STYLE = (
     "--jp-border-color1: #616161; --jp-ui-font-color1: #eee; --jp-layout-color1: #111; "
     "--jp-layout-color2: #333;"
 )
-_STYLE = f"""
+_PAGE_STYLE = f"""
 body {{ margin: 1em; font: 14px/1.4 system-ui, sans-serif; color: #212121; background: #fff; }}
 body {{ overflow-wrap: anywhere; }}
 h1 {{ font-size: 1.2em; }}
-@media (prefers-color-scheme: dark) {{ body {{ color: #eee; background: #111; {_DARK} }} }}
+@media (prefers-color-scheme: dark) {{ body {{ color: #eee; background: #111; {_DARK_STYLE} }} }}
 """
 
 
@@ -155,7 +155,7 @@ def _html(
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{head}</title><style>{_STYLE}{look}</style></head>\n"
+        f"<title>{head}</title><style>{_PAGE_STYLE}{look}</style></head>\n"
         f'<body><h1>{head}</h1>\n<div id="pawnb"></div>\n{said if notes else ""}\n'
         f'<script type="application/json" id="pawnb-data">{inside}</script>\n'
         f'<script type="module">\n{code}\n{read_static("page.js")}</script>\n</body></html>\n'
@@ -165,9 +165,11 @@ def _html(
 def _evenly(first: int, last: int) -> list[int]:
     """Return all frames, or as many as a page has by itself."""
     n = last - first + 1
-    if n <= MOST_FRAMES:
+    if n <= MOST_PAGE_FRAMES:
         return list(range(first, last + 1))
-    return sorted({first + round(k * (n - 1) / (MOST_FRAMES - 1)) for k in range(MOST_FRAMES)})
+    return sorted(
+        {first + round(k * (n - 1) / (MOST_PAGE_FRAMES - 1)) for k in range(MOST_PAGE_FRAMES)}
+    )
 
 
 def export_page(

@@ -24,9 +24,9 @@ from pawnb.figures.style import style
 PAPER, INK = "#1b1b1b", "#e4e4e4"
 """Background and text on a dark page."""
 _WHITE, _BLACK = np.array(to_rgb(PAPER)), np.array(to_rgb(INK))
-_GREY = 0.08
+_MID_GREY = 0.08
 """Colours whose red, green and blue differ by less are greys."""
-_DARK = 0.1
+_DARK_GREY = 0.1
 """Colours of a lower relative luminance need a light edge on a dark page."""
 _DONE = "_pawnb_dark"
 
@@ -35,7 +35,7 @@ SCREEN_PT = 9.0
 _MARGIN_PX = 12
 """Room that the canvas leaves about itself."""
 
-LEAST_PX = (420, 300)
+LEAST_PLOT_PX = (420, 300)
 """No plots are smaller; the page scrolls instead."""
 WIDEST_PX = 1800
 """No plots are wider: the cell of a window of 1920 px is filled."""
@@ -68,8 +68,8 @@ def fit_figure(figure: Figure, *, room: tuple[int, int], highest_px: int, beside
     beside_px : int
         Height of the window that the plots do not have: menus, buttons, words.
     """
-    width = int(np.clip(room[0] - _MARGIN_PX, LEAST_PX[0], WIDEST_PX))
-    height = int(np.clip(room[1] - beside_px, LEAST_PX[1], highest_px))
+    width = int(np.clip(room[0] - _MARGIN_PX, LEAST_PLOT_PX[0], WIDEST_PX))
+    height = int(np.clip(room[1] - beside_px, LEAST_PLOT_PX[1], highest_px))
     dpi = figure.dpi / getattr(figure.canvas, "device_pixel_ratio", 1.0)
     figure.set_size_inches(width / dpi, height / dpi)
 
@@ -166,7 +166,7 @@ def _on_dark(colour: Any) -> Any:
     if isinstance(colour, str) and colour == "none":
         return colour
     *rgb, alpha = to_rgba(colour)
-    if np.ptp(rgb) > _GREY:
+    if np.ptp(rgb) > _MID_GREY:
         return colour
     return (*(_BLACK + (_WHITE - _BLACK) * float(np.mean(rgb))), alpha)
 
@@ -176,4 +176,4 @@ def _is_dark_colour(colour: Any) -> bool:
     if isinstance(colour, str) and colour == "none":
         return False
     rgb = np.array(to_rgba(colour)[:3])
-    return bool(np.ptp(rgb) > _GREY and (rgb**2.2) @ [0.2126, 0.7152, 0.0722] < _DARK)
+    return bool(np.ptp(rgb) > _MID_GREY and (rgb**2.2) @ [0.2126, 0.7152, 0.0722] < _DARK_GREY)

@@ -31,7 +31,7 @@ _IN_SPACE = (
     "view at once, so drag a frame right and track again from there (R)."
 )
 _NO_LANE = ("Body", "has no lane and is never exchanged: there is one; it is moved frame by frame")
-_KEYS = (
+_POSE_REVIEW_KEYS = (
     *HANDLES,
     ("D", "the next doubtful frame, the most doubtful first"),
     ("A, Enter", "the pose is right as it is"),
@@ -129,7 +129,7 @@ class PoseReviewer(StickPoser, Comparing):
         in_space = self.corrected.present.sizes["space"] == 3
         over = [line for line in STRETCH_KEYS if not (in_space and line[0] in ("X", "N"))]
         told = [("X, N", _IN_SPACE)] if in_space else []
-        own = (*_KEYS, *compared, *TIMELINE_KEYS, *over, *told, _NO_LANE, *NO_PLACING)
+        own = (*_POSE_REVIEW_KEYS, *compared, *TIMELINE_KEYS, *over, *told, _NO_LANE, *NO_PLACING)
         self.keys_help = [list(line) for line in own]
         self._prepare_lanes(
             trial,

@@ -20,12 +20,12 @@ from pawnb.widgets.question_sheet import MOST_CROPS, cut_out
 from pawnb.widgets.retracking import Doubt, Retracking
 from pawnb.workflow.reviewing.quality import clicks_of_tracks
 
-RIGHT, NONE, SKIPPED = "right", "none", "skipped"
+RIGHT_ANSWER, NONE, SKIPPED = "right", "none", "skipped"
 """Answers that name no other point."""
 
-_LONGEST_S = 60.0
+_LONGEST_ANSWER_S = 60.0
 """Who takes longer over an answer is taken to have paused."""
-_LEAST_PX, _SHARE = 96.0, 0.14
+_CUTOUT_PX, _CUTOUT_SHARE = 96.0, 0.14
 """Width of the part of a view that is shown: at least so many px, or this share of it."""
 _MOST_KEYS = 9
 
@@ -144,7 +144,7 @@ class Questions(Retracking):
             return [{"id": "ask", "text": "Questions", "keys": ["q"], "title": title,
                      "enabled": bool(self._suspects)}]  # fmt: skip
         asked = self._question[2]
-        answers = [("Enter", f"Yes, {asked}", RIGHT)]
+        answers = [("Enter", f"Yes, {asked}", RIGHT_ANSWER)]
         # a point has the same key in every question
         for k, name in enumerate(self.session.points, 1):
             if name != asked:
@@ -234,7 +234,7 @@ class Questions(Retracking):
         except PawnbError:  # said where the frame itself is shown
             return None
         width = next(stage["width"] for stage in self.stages if stage["name"] == view)
-        data, at = cut_out(picture, place, max(_LEAST_PX, _SHARE * width))
+        data, at = cut_out(picture, place, max(_CUTOUT_PX, _CUTOUT_SHARE * width))
         return f"data:image/jpeg;base64,{as_text(data)}", at
 
     def _show_question(self) -> int:
@@ -263,12 +263,12 @@ class Questions(Retracking):
             return None
         (frame, view, point), session = self._question, self.session
         assert self._answers is not None  # noqa: S101
-        seconds = round(min(monotonic() - self._asked_at, _LONGEST_S), 2)
+        seconds = round(min(monotonic() - self._asked_at, _LONGEST_ANSWER_S), 2)
         said = word.removeprefix("is ")
         self._answers.append(
             Answer(frame=frame, view=view, point=point, answer=said, seconds=seconds)
         )
-        if word == RIGHT:
+        if word == RIGHT_ANSWER:
             session.accept(frame, view, point)
         elif word == NONE or (word != SKIPPED and session.are_together(frame, point, said)):
             # where both are in one place, that of the other is right already: no exchange
@@ -307,6 +307,6 @@ class Questions(Retracking):
         for stage in self.stages:
             place = self.session.position(frame, stage["name"], point)
             if place is not None:
-                size = max(_LEAST_PX, _SHARE * stage["width"])
+                size = max(_CUTOUT_PX, _CUTOUT_SHARE * stage["width"])
                 parts[stage["name"]] = [*place, min(size, stage["width"])]
         return {"look": {"id": self._n_asked, "views": parts}}

@@ -20,13 +20,13 @@ from pawnb.widgets.surroundings import Surroundings
 
 _RAW, _SMOOTH, _HAND = "0.7", OKABE_ITO["blue"], OKABE_ITO["vermillion"]
 _PANELS = {"position": "", "velocity": "/s", "acceleration": "/s²"}
-_METHODS = {
+_CUTOFF_MARKS = {
     "residual": ("residual analysis", "o"),
     "gcv": ("cross-validation", "s"),
     "autocorrelation": ("whiteness", "^"),
 }
 """Names of the methods in words, and their marks on the curve."""
-_SIZE_PX, _BESIDE_PX = (1000, 540), 310
+_RESIDUAL_SIZE_PX, _BESIDE_RESIDUAL_PX = (1000, 540), 310
 """Size of the plots before a page shows them, which is their greatest height; and height of the
 window that buttons and menus take."""
 _ROOM = 1.6
@@ -72,7 +72,9 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self.session = ResidualSession(signals, fs_hz=fs_hz, order=order)
         super().__init__(cutoff_hz=self.session.cutoff_hz)
         self._unit, self._dragging = unit, False
-        self._figure = Figure(figsize=(_SIZE_PX[0] / 100, _SIZE_PX[1] / 100), dpi=100)
+        self._figure = Figure(
+            figsize=(_RESIDUAL_SIZE_PX[0] / 100, _RESIDUAL_SIZE_PX[1] / 100), dpi=100
+        )
         self._around = Surroundings()
         self._canvas = make_canvas(self._figure)
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
@@ -149,7 +151,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             ax.axhline(found.noise_rms, color=_SMOOTH, linestyle=":", linewidth=1,
                        label="its height at 0 Hz")  # fmt: skip
         for name, (chosen, _) in session.chosen().items():
-            words, marker = _METHODS[name]
+            words, marker = _CUTOFF_MARKS[name]
             if math.isfinite(chosen):
                 ax.plot(chosen, np.interp(chosen, cutoff, residual), marker, color="white",
                         markeredgecolor="black", label=words, zorder=4)  # fmt: skip
@@ -197,7 +199,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             known = math.isfinite(chosen)
             said = f"{chosen:.2f} Hz" if known else "none found"
             button = widgets.Button(
-                description=f"{_METHODS[name][0]}: {said}", tooltip=reason, disabled=not known,
+                description=f"{_CUTOFF_MARKS[name][0]}: {said}", tooltip=reason, disabled=not known,
                 layout={"width": "16em"},
             )  # fmt: skip
             button.on_click(lambda _, hz=chosen: setattr(self._slider, "value", hz))
@@ -220,7 +222,9 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)
-        fit_figure(self._figure, room=room, highest_px=_SIZE_PX[1], beside_px=_BESIDE_PX)
+        fit_figure(
+            self._figure, room=room, highest_px=_RESIDUAL_SIZE_PX[1], beside_px=_BESIDE_RESIDUAL_PX
+        )
 
     def _on_signal(self, change: dict[str, Any]) -> None:
         """Show another signal."""

@@ -11,7 +11,7 @@ import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.residuals import (
-    METHODS,
+    CUTOFF_METHODS,
     POOLED,
     ResidualAnalysis,
     analyse_residuals,
@@ -135,7 +135,7 @@ class ResidualSession:
     def text(self) -> str:
         """Say which cut-off is in the hand, and which methods have none, and why."""
         told = [f"{self.name}: cut-off {self.cutoff_hz:.2f} Hz."]
-        if self.cutoff_hz == self._begun_hz and self.begun_by != METHODS[0]:
+        if self.cutoff_hz == self._begun_hz and self.begun_by != CUTOFF_METHODS[0]:
             told.append(
                 f"It is that of {self.begun_by}, as residual analysis has none."
                 if self.begun_by

@@ -23,9 +23,7 @@ from pawnb.trial import Trial
 from pawnb.widgets.start_marks import FAR_PX
 from pawnb.widgets.stretch_edits import StretchEdits, order_partners
 from pawnb.workflow.export.colours import point_colours
-
-TRAIL = 20
-"""Frames of the past that a trail shows."""
+from pawnb.workflow.export.marks import TRAIL
 
 
 class ReviewSession(StretchEdits):

@@ -9,8 +9,8 @@ import numpy as np
 from pawnb.core.pose.pixel_scale import PxPerUnit, scale_from_clicks, scale_from_grid
 from pawnb.errors import InputError
 
-ENDS = ("end 1", "end 2")
-_COLOUR = "#f0e442"
+SCALE_ENDS = ("end 1", "end 2")
+_SCALE_COLOUR = "#f0e442"
 
 
 class ScaleClicks:
@@ -33,8 +33,8 @@ class ScaleClicks:
 
     def click(self, u: float, v: float) -> None:
         """Place the next end; both placed, the nearer one moves there."""
-        free = [name for name in ENDS if name not in self.ends]
-        near = min(ENDS, key=lambda name: self._far(name, u, v)) if not free else free[0]
+        free = [name for name in SCALE_ENDS if name not in self.ends]
+        near = min(SCALE_ENDS, key=lambda name: self._far(name, u, v)) if not free else free[0]
         self.ends[near], self.found = (u, v), None
 
     def move(self, name: str, u: float, v: float) -> None:
@@ -76,16 +76,16 @@ class ScaleClicks:
         """Return the scale, or None before a grid is found or both ends are clicked."""
         if self.found is not None:
             return self.found
-        if len(self.ends) < len(ENDS):
+        if len(self.ends) < len(SCALE_ENDS):
             return None
-        first, second = (self.ends[name] for name in ENDS)
+        first, second = (self.ends[name] for name in SCALE_ENDS)
         return scale_from_clicks(first, second, distance=self.length)
 
     def prompt(self, unit: str) -> str:
         """Say what to do next."""
         if self.found is not None:
             return "A grid was found; press Enter to use its scale, or click two ends instead."
-        if len(self.ends) < len(ENDS):
+        if len(self.ends) < len(SCALE_ENDS):
             end = "one end" if not self.ends else "the other end"
             return f"Click {end} of a length that you know."
         return f"Say how many {unit} that is, drag an end to adjust it, then press Enter."
@@ -93,11 +93,12 @@ class ScaleClicks:
     def marks(self) -> dict[str, Any]:
         """Return what is drawn over the view."""
         points = [
-            {"id": name, "u": u, "v": v, "colour": _COLOUR} for name, (u, v) in self.ends.items()
+            {"id": name, "u": u, "v": v, "colour": _SCALE_COLOUR}
+            for name, (u, v) in self.ends.items()
         ]
         both = [[u, v] for u, v in self.ends.values()]
-        lines = [{"at": both, "colour": _COLOUR}] if len(both) == len(ENDS) else []
-        free = [name for name in ENDS if name not in self.ends]
+        lines = [{"at": both, "colour": _SCALE_COLOUR}] if len(both) == len(SCALE_ENDS) else []
+        free = [name for name in SCALE_ENDS if name not in self.ends]
         return {"points": points, "lines": lines, "chips": [], "asks": free[0] if free else None}
 
     def _far(self, name: str, u: float, v: float) -> float:

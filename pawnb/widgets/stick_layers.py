@@ -18,13 +18,13 @@ from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.widgets.picture_layers import PictureLayers, shaded, slider
 from pawnb.widgets.stick_session import StickSession
 
-LAYERS = {
+PULLAR_LAYERS = {
     "segmentation": "2009: segmentation",
     "shape_prior": "2009: shape prior",
     "background_cost": "2009: cost of background",
     "contrast": "2009: cost of a border",
 }
-SETTINGS = {
+PULLAR_SLIDERS = {
     "ising": "Ising term",
     "contrast": "Contrast term",
     "edge_grey": "Edge, grey values",
@@ -33,16 +33,16 @@ SETTINGS = {
 }
 """Settings with a slider: see :class:`pawnb.core.pose.pullar2009.settings.Pullar2009Settings`."""
 
-_MOST = 5.0
+_SLIDER_REACH = 5.0
 """Sliders reach so many times the estimated value."""
-_FILL, _RIM = (86, 180, 233, 90), (255, 255, 255, 255)
+_FILL, _RIM_COLOURS = (86, 180, 233, 90), (255, 255, 255, 255)
 
 
 class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
     """The terms of the published energy; settings that are not chosen are estimated."""
 
-    names = LAYERS
-    sliders_of = SETTINGS
+    names = PULLAR_LAYERS
+    sliders_of = PULLAR_SLIDERS
 
     def __init__(self) -> None:
         super().__init__()
@@ -58,7 +58,7 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
         if not self.layer or not self._estimated:
             return []
         out = []
-        for name, words in SETTINGS.items():
+        for name, words in PULLAR_SLIDERS.items():
             usual = max(self._estimated[name], 1e-3)
             step = float(f"{usual / 50:.1g}")
             out.append(
@@ -67,7 +67,7 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
                     words,
                     value=self.chosen.get(name, self._estimated[name]),
                     step=step,
-                    limits=(step, step * round(_MOST * usual / step)),
+                    limits=(step, step * round(_SLIDER_REACH * usual / step)),
                     title=f"{name} of method paper; estimated here: {usual:.3g}",
                 )
             )
@@ -81,7 +81,7 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
         view : EnergyView
             The energy.
         layer : str
-            A name of :data:`LAYERS`.
+            A name of :data:`PULLAR_LAYERS`.
 
         Returns
         -------
@@ -93,7 +93,7 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
             out = np.zeros((*labels.shape, 4), np.uint8)
             out[labels > 0] = _bgra(_FILL)
             inner = cv2.erode(labels, np.ones((3, 3), np.uint8))
-            out[(labels > 0) & (inner == 0)] = _bgra(_RIM)
+            out[(labels > 0) & (inner == 0)] = _bgra(_RIM_COLOURS)
             return out
         values = np.asarray(getattr(view, layer), dtype=float)
         if layer == "shape_prior":
@@ -121,7 +121,7 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
             settings=self.settings,
         )
         if not self._estimated:
-            self._estimated = {name: getattr(view.parameters, name) for name in SETTINGS}
+            self._estimated = {name: getattr(view.parameters, name) for name in PULLAR_SLIDERS}
         return view
 
     def _box(self, view: EnergyView) -> tuple[int, int, int, int]:

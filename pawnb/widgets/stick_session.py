@@ -20,7 +20,7 @@ from pawnb.widgets.draft import Draft
 from pawnb.widgets.stick_pose import StickPose, stick_pose
 from pawnb.workflow.export.colours import point_colours
 
-_SIDES = {"left": LEFT, "right": RIGHT}
+_SIDE_SIGNS = {"left": LEFT, "right": RIGHT}
 _USUAL_SHARE = 0.5
 """Leg span of a first pose as a share of the picture's shorter side, where no scale is known."""
 
@@ -183,9 +183,9 @@ class StickSession(Draft[StickState]):
 
     def mirror(self, source: str) -> None:
         """Copy the legs of the ``left`` or the ``right`` side to the other."""
-        if source not in _SIDES:
+        if source not in _SIDE_SIGNS:
             raise InputError(f"mirror from {source!r}: expected left or right.")
-        self._change(self.pose.mirrored(_SIDES[source]))
+        self._change(self.pose.mirrored(_SIDE_SIGNS[source]))
 
     def pose_here(self) -> None:
         """Say that the pose belongs to the frame looked at."""

@@ -32,7 +32,7 @@ STRETCH_KEYS = (
 )  # fmt: skip
 
 
-_MOST_FRAMES = 20_000
+_MOST_DRAWN_FRAMES = 20_000
 """In longer recordings no stances are shown: the analysis, made anew after each correction, takes
 about 0.1 s for each thousand frames of four legs, and the player would stutter meanwhile."""
 
@@ -227,7 +227,7 @@ class TimelineCanvas(FrameCanvas):
                 self._renew_lanes()
 
         assert self._analysts is not None  # noqa: S101
-        if tracks.sizes["time"] > _MOST_FRAMES:
+        if tracks.sizes["time"] > _MOST_DRAWN_FRAMES:
             return
         try:
             self._analysts.submit(look)

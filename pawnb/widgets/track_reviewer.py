@@ -29,7 +29,7 @@ from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.reviewing.foreign import Videos, open_foreign
 
-_KEYS = (
+_TRACK_REVIEW_KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
     (
         "Drag a point",
@@ -153,7 +153,7 @@ class TrackReviewer(Comparing, Questions):
         self.label = "Review tracks"
         self.link_views(rig)
         compared = DIFFERENCE_KEYS if against is not None else ()
-        own = (*_KEYS, *compared, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
+        own = (*_TRACK_REVIEW_KEYS, *compared, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
         self.keys_help = [list(line) for line in (("Marks", _MARKS), *own)]
         self._prepare_lanes(
             trial,

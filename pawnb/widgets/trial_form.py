@@ -12,11 +12,11 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.crop_canvas import CropCanvas
 from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
-from pawnb.workflow.workbench.animals import ANIMALS, OTHER, choose_animal
+from pawnb.workflow.workbench.animals import ANIMALS, OTHER_ANIMAL, choose_animal
 from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, second_view
 
-_ROW = {"flex_flow": "row wrap"}
-_WIDE = {"width": "22em"}
+_TRIAL_ROW = {"flex_flow": "row wrap"}
+_TRIAL_WIDTH = {"width": "22em"}
 _NONE = "none"
 
 
@@ -108,9 +108,9 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self.name = widgets.Text(value=made.folder.resolve().name, description="trial")
         self.animal_id = widgets.Text(placeholder="as the trial", description="animal's id")
         options = [(f"{a.name}: {a.words}", a.name) for a in ANIMALS]
-        self.animal = widgets.Dropdown(options=options, description="animal", layout=_WIDE)
+        self.animal = widgets.Dropdown(options=options, description="animal", layout=_TRIAL_WIDTH)
         self.points = widgets.Text(
-            placeholder="names with commas between", description="points", layout=_WIDE
+            placeholder="names with commas between", description="points", layout=_TRIAL_WIDTH
         )
         self.points.layout.display = "none"
         self.fps = widgets.Text(placeholder="frames a second", description="filmed at")
@@ -118,7 +118,7 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         csvs = sorted(made.folder.glob("*.csv"))
         files = [(_NONE, ""), *((file.name, str(file)) for file in csvs)]
         self.dlt = widgets.Dropdown(
-            options=files, value=str(made.dlt or ""), description="DLT", layout=_WIDE
+            options=files, value=str(made.dlt or ""), description="DLT", layout=_TRIAL_WIDTH
         )
         self.px_per_unit = widgets.Text(placeholder="px in one unit", description="scale")
         self.belt = widgets.Text(placeholder="unit a second, or none", description="treadmill")
@@ -146,7 +146,7 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _on_animal(self, _change: Any) -> None:
         """Ask for the points where the list does not know them."""
-        self.points.layout.display = None if self.animal.value == OTHER else "none"
+        self.points.layout.display = None if self.animal.value == OTHER_ANIMAL else "none"
         self._show_views()
 
     def _show_views(self) -> None:
@@ -162,8 +162,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         calibration = self.dlt if several else self.px_per_unit
         fields = [self.name, self.animal_id, self.animal, self.points, self.fps, self.unit]
         self.children = (
-            widgets.HBox([*fields, calibration, self.belt], layout=_ROW),
-            self._canvas, self._of_views, widgets.HBox([self._make, self._told], layout=_ROW),
+            widgets.HBox([*fields, calibration, self.belt], layout=_TRIAL_ROW),
+            self._canvas, self._of_views, widgets.HBox([self._make, self._told], layout=_TRIAL_ROW),
         )  # fmt: skip
         self._on_change()  # a view may have come or gone
 
@@ -226,7 +226,7 @@ class _ViewRow:
         )  # fmt: skip
         self.points = widgets.Text(
             value=", ".join(view.points), placeholder="all points", description="sees",
-            layout=_WIDE,
+            layout=_TRIAL_WIDTH,
         )  # fmt: skip
         for field in (self.name, self.mirror, self.points):
             field.observe(lambda _: form._on_change(), names="value")
@@ -241,7 +241,7 @@ class _ViewRow:
             gone = widgets.Button(description="Leave out", layout={"width": "8em"})
             gone.on_click(lambda _: form._remove(view))
             row.append(gone)
-        self.box = widgets.HBox(row, layout=_ROW)
+        self.box = widgets.HBox(row, layout=_TRIAL_ROW)
 
     def take(self) -> None:
         """Take over what the fields say."""

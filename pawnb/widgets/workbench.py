@@ -23,14 +23,14 @@ from pawnb.widgets.trial_form import TrialForm
 from pawnb.widgets.workbench_parts import ROW, Tool, cell, show_results
 from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
 from pawnb.workflow.provenance.results import results_folder
-from pawnb.workflow.workbench.states import DONE, STEPS, Step, TrialState
+from pawnb.workflow.workbench.states import DONE, WORK_STEPS, Step, TrialState
 
 _PAGE = 20
 """Trials that are listed at once."""
-_LEAST_PX, _AROUND_PX = 300, 380
+_LEAST_BENCH_PX, _AROUND_PX = 300, 380
 """Least height of the pictures, and what the timeline and buttons around them take, CSS px."""
 _COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(20em, 3fr)"
-_WRONG = {False: "#B3261E", True: "#FFB4AB"}
+_WRONG_IN_BENCH = {False: "#B3261E", True: "#FFB4AB"}
 
 
 class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
@@ -116,7 +116,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         if step in ("track", "gait"):
             self._put_away()
             work = self._track if step == "track" else self._gait
-            self._begin(STEPS[step], lambda: work(state))
+            self._begin(WORK_STEPS[step], lambda: work(state))
             return
         make: dict[str, Callable[[], Any]] = {
             "mend": lambda: self._findings(state),
@@ -126,14 +126,14 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             "look": lambda: self._results(state),
         }
         if step not in make:
-            raise InputError(f"step is {step!r}; expected one of {', '.join(STEPS)}.")
+            raise InputError(f"step is {step!r}; expected one of {', '.join(WORK_STEPS)}.")
         self._open(make[step])
 
     def plain_picture(self) -> bytes:
         """Return the list of trials as PNG."""
         rows = [
             [state.name, *("x" if word in state.done else "-" for word in DONE),
-             STEPS[self.session.next_step(state)]]
+             WORK_STEPS[self.session.next_step(state)]]
             for state in self.session.states[self._first : self._first + _PAGE]
         ]  # fmt: skip
         title = f"{self.session.folder.resolve().name}: {len(self.session.states)} trials"
@@ -198,14 +198,14 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         marks = [self._cell("✓" if word in state.done else "–") for word in DONE]
         nxt = self.session.next_step(state)
         steps = [nxt, *(step for step in state.steps if step != nxt)]
-        buttons = [self._button(STEPS[nxt], partial(self.do, nxt, state.folder), main=True)]
+        buttons = [self._button(WORK_STEPS[nxt], partial(self.do, nxt, state.folder), main=True)]
         if "calibrate" in steps and "calibrated" not in state.done:
             steps.remove("calibrate")  # it is a button of its own until it is done
-            text, act = STEPS["calibrate"], partial(self.do, "calibrate", state.folder)
+            text, act = WORK_STEPS["calibrate"], partial(self.do, "calibrate", state.folder)
             buttons.append(self._button(text, act))
         if len(steps) > 1:
             menu = widgets.Dropdown(
-                options=[("other steps", ""), *((STEPS[step], step) for step in steps[1:])],
+                options=[("other steps", ""), *((WORK_STEPS[step], step) for step in steps[1:])],
                 layout={"width": "11em"},
             )
             menu.observe(lambda change: self._chosen(menu, state, change["new"]), names="value")
@@ -366,7 +366,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     @property
     def _room(self) -> int:
         """Height for pictures, CSS px, that leaves room for what is around them."""
-        return min(max(_LEAST_PX, (self._around.height or 900) - _AROUND_PX), 720)
+        return min(max(_LEAST_BENCH_PX, (self._around.height or 900) - _AROUND_PX), 720)
 
     # --- small things ---------------------------------------------------------------------------
 
@@ -380,7 +380,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _tell(self, text: str, *, wrong: bool = False) -> None:
         """Say something below the list."""
         self._told.value = text
-        self._told.style.text_color = _WRONG[self._around.dark] if wrong else None
+        self._told.style.text_color = _WRONG_IN_BENCH[self._around.dark] if wrong else None
 
     def _button(
         self, text: str, act: Callable[[], object], *, icon: str = "", main: bool = False
@@ -395,4 +395,4 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _cell(self, text: str, *, wrong: bool = False, **how: bool) -> Any:
         """Return a text of the list; a label takes no HTML, whatever a trial is called."""
-        return cell(text, _WRONG[self._around.dark] if wrong else None, **how)
+        return cell(text, _WRONG_IN_BENCH[self._around.dark] if wrong else None, **how)

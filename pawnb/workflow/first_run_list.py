@@ -25,7 +25,7 @@ from pawnb.trial import load_trial
 from pawnb.workflow.tracking.methods import trial_tracker
 from pawnb.workflow.tracking.track import track
 
-_PARTS = {"pawnb.core.pose.space.": "space", "pawnb.core.jpeg.": LATER}
+_PARTS_OF_CODE = {"pawnb.core.pose.space.": "space", "pawnb.core.jpeg.": LATER}
 """What only trials of two views of an animal call, and what can wait: FFmpeg decodes, too."""
 
 
@@ -88,7 +88,7 @@ def make_list(trials: Sequence[str | Path]) -> dict[str, dict[str, list]]:
             track(trial, progress=lambda *_: None)
             for name, ways in called_functions().items():
                 part = next(
-                    (part for begin, part in _PARTS.items() if name.startswith(begin)),
+                    (part for begin, part in _PARTS_OF_CODE.items() if name.startswith(begin)),
                     trial_tracker(trial, DEFAULT).kind,
                 )
                 own = kinds.setdefault(part, {}).setdefault(name, [])

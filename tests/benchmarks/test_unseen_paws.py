@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def recording(tmp_path):
     return Recording(
         trial=SimpleNamespace(folder=tmp_path),
         asked={"asked": asked, "scene": scene},
-        seen=[[Detections(np.column_stack([places, np.zeros((2, 6))]))] for _ in range(10)],
+        seen=[[ColourDetections(np.column_stack([places, np.zeros((2, 6))]))] for _ in range(10)],
         uv=np.tile(places, (10, 1, 1, 1)),
         x=np.zeros((10, 2, 3)),
     )

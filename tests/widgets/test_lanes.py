@@ -8,12 +8,12 @@ import small_trial as scene
 from pawnb import load_trial
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.widgets.lanes import (
-    EDITED,
     FULL,
-    PREDICTED,
+    IS_EDITED,
+    IS_PREDICTED,
     STANCE,
     SUSPECT,
-    UNKNOWN,
+    UNKNOWN_LEVEL,
     build_lanes,
     find_stances,
     sd_scale,
@@ -37,8 +37,8 @@ def test_confidence_is_the_best_of_the_views_and_absent_frames_are_missing():
     lanes = build_lanes(tracks, ["P", "Q"])
     assert lanes.shape == (2, 4, 3)
     # frames 3 to 6: 0.8 of 250, 0.5 of 250, absent, seen in no view
-    assert lanes[0, :, 0].tolist() == [200, 125, UNKNOWN, UNKNOWN]
-    assert lanes[1, :, 0].tolist() == [200, 200, UNKNOWN, 200]
+    assert lanes[0, :, 0].tolist() == [200, 125, UNKNOWN_LEVEL, UNKNOWN_LEVEL]
+    assert lanes[1, :, 0].tolist() == [200, 200, UNKNOWN_LEVEL, 200]
 
 
 def test_bits_say_what_was_done_and_doubted():
@@ -51,19 +51,24 @@ def test_bits_say_what_was_done_and_doubted():
     doubts = pd.DataFrame([[4, "a", "P, Q"], [99, "a", "P"]], columns=["frame", "view", "point"])
     stances = {"Q": [(0.025, 0.045)], "unknown": [(0.0, 1.0)]}
     lanes = build_lanes(tracks, ["P", "Q"], suspects=doubts, stances=stances)
-    assert lanes[0, :, 2].tolist() == [EDITED, SUSPECT, 0, 0]
-    assert lanes[1, :, 2].tolist() == [STANCE, PREDICTED | SUSPECT | STANCE, 0, 0]
+    assert lanes[0, :, 2].tolist() == [IS_EDITED, SUSPECT, 0, 0]
+    assert lanes[1, :, 2].tolist() == [STANCE, IS_PREDICTED | SUSPECT | STANCE, 0, 0]
 
 
 def test_standard_deviations_fill_the_lane_at_the_scale_that_is_told():
     tracks = tracks_of()
     assert sd_scale(tracks) == 0.0
-    assert (build_lanes(tracks, ["P"])[..., 1] == UNKNOWN).all()
+    assert (build_lanes(tracks, ["P"])[..., 1] == UNKNOWN_LEVEL).all()
     tracks["sd"] = tracks["position"].copy()
     tracks["sd"].to_numpy()[:] = np.array([3.0, 6.0, 12.0])[:, None, None, None]
     assert sd_scale(tracks) == pytest.approx(12.0, rel=0.02)
     # half of the scale, all of it, more than all
-    assert build_lanes(tracks, ["P"], sd_full=6.0)[0, :, 1].tolist() == [125, FULL, UNKNOWN, FULL]
+    assert build_lanes(tracks, ["P"], sd_full=6.0)[0, :, 1].tolist() == [
+        125,
+        FULL,
+        UNKNOWN_LEVEL,
+        FULL,
+    ]
 
 
 def test_a_foot_that_stands_has_a_stance_and_points_that_are_no_legs_none(tmp_path):

@@ -7,7 +7,7 @@ import small_pose_trial as scene
 from pawnb.core.pose.background import Background
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Trial
-from pawnb.widgets.stick_layers import LAYERS, SETTINGS, EnergyLayers
+from pawnb.widgets.stick_layers import PULLAR_LAYERS, PULLAR_SLIDERS, EnergyLayers
 from pawnb.widgets.stick_session import StickSession
 
 
@@ -43,7 +43,7 @@ def test_segmentation_and_prior_lie_on_the_animal(layers, session, empty):
     u0, v0, u1, v1 = view.box
     dark = scene.picture(scene.EMPTY)[v0:v1, u0:u1] < 125
     assert (view.segmentation & dark).sum() / (view.segmentation | dark).sum() > 0.8
-    for name in LAYERS:
+    for name in PULLAR_LAYERS:
         assert layers.paint(view, name).shape == (v1 - v0, u1 - u0, 4)
     clear = layers.paint(view, "segmentation")[..., 3] == 0
     np.testing.assert_array_equal(clear, ~view.segmentation)
@@ -57,7 +57,7 @@ def test_a_setting_has_its_effect_and_can_be_estimated_again(layers, session, em
     usual = layers.look(session, picture, empty)
     assert layers.look(session, picture, empty) is usual  # computed once
     sliders = {line["id"]: line for line in layers.sliders()}
-    assert list(sliders) == list(SETTINGS)
+    assert list(sliders) == list(PULLAR_SLIDERS)
     for name, line in sliders.items():
         estimated = getattr(usual.parameters, name)
         assert line["min"] < line["value"] < line["max"]

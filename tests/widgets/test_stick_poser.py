@@ -7,7 +7,7 @@ import small_pose_trial as scene
 from pawnb.core.pose.poses import leg_angles
 from pawnb.errors import InputError
 from pawnb.trial import load_trial
-from pawnb.widgets.fit_layers import SETTINGS as FIT_SETTINGS
+from pawnb.widgets.fit_layers import FIT_SLIDERS as FIT_SETTINGS
 from pawnb.widgets.scale_clicks import ScaleClicks
 from pawnb.widgets.stick_poser import StickPoser
 

@@ -134,7 +134,7 @@ def test_stances_of_long_recordings_are_not_looked_for(
     trial_file, tmp_path, monkeypatch, most, times
 ):
     asked = []
-    monkeypatch.setattr(timeline, "_MOST_FRAMES", most)
+    monkeypatch.setattr(timeline, "_MOST_DRAWN_FRAMES", most)
     monkeypatch.setattr(timeline, "find_stances", lambda *_: asked.append(1) or {})
     widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
     widget._analysts.shutdown(wait=True)

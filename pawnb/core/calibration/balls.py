@@ -12,7 +12,7 @@ _LEAST_CONTRAST = 20.0
 _LEAST_AREA_PX = 8
 _ROUND = 0.6
 """Area of a mark over that of the circle around it: a disc has 1, a square 0.64."""
-_NEAR = 1.5
+_NEAR_RADII = 1.5
 """A mark is meant where the click is within that many of its radii of the centre."""
 
 
@@ -60,7 +60,7 @@ def _round_piece(patch: np.ndarray, u: float, v: float) -> tuple[float, float] |
         x, y, w, h, area = stats[k]
         touches = x == 0 or y == 0 or x + w == patch.shape[1] or y + h == patch.shape[0]
         radius = max(w, h) / 2
-        near = np.hypot(centres[k, 0] - u, centres[k, 1] - v) <= _NEAR * radius
+        near = np.hypot(centres[k, 0] - u, centres[k, 1] - v) <= _NEAR_RADII * radius
         if touches or not near or area < max(_LEAST_AREA_PX, _ROUND * np.pi * radius**2):
             continue
         around = cv2.dilate((labels == k).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0

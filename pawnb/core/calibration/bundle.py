@@ -24,7 +24,7 @@ on mouse-4cam-cage), so that only what does not belong is above."""
 _CONVERGED = 1e-6
 """Relative change of the cost and of the numbers at which it ends: on mouse-4cam-cage cameras then
 move by less than 0.01 mm to where 1e-8 ends, in an eighth of the time."""
-_MOST_STEPS = 200
+_MOST_BUNDLE_STEPS = 200
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ def adjust(
             x_scale="jac",
             loss="soft_l1",
             f_scale=_ROBUST_PX,
-            max_nfev=_MOST_STEPS,
+            max_nfev=_MOST_BUNDLE_STEPS,
             ftol=_CONVERGED,
             xtol=_CONVERGED,
         ).x

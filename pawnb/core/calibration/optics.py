@@ -12,7 +12,7 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError
 from pawnb.io.cameras import Camera
 
-COLUMNS = (
+OPTICS_COLUMNS = (
     "aspect", "f", "cx", "cy", "k1", "k2", "p1", "p2", "k3",
     "rx", "ry", "rz", "tx", "ty", "tz",
 )  # fmt: skip
@@ -28,7 +28,7 @@ def project_distorted(cameras: FloatArray, xyz: FloatArray) -> FloatArray:
     Parameters
     ----------
     cameras : ndarray, shape (n, 15)
-        A camera an observation, columns as :data:`COLUMNS`.
+        A camera an observation, columns as :data:`OPTICS_COLUMNS`.
     xyz : ndarray, shape (n, 3)
         Its point.
 
@@ -95,7 +95,7 @@ def row_of_camera(camera: Camera) -> FloatArray:
     Returns
     -------
     ndarray, shape (15,)
-        Columns as :data:`COLUMNS`.
+        Columns as :data:`OPTICS_COLUMNS`.
 
     Raises
     ------
@@ -120,7 +120,7 @@ def camera_of_row(row: FloatArray, *, name: str, size: tuple[int, int]) -> Camer
     Parameters
     ----------
     row : ndarray, shape (15,)
-        Columns as :data:`COLUMNS`.
+        Columns as :data:`OPTICS_COLUMNS`.
     name : str
         Its name.
     size : tuple of int

@@ -14,7 +14,7 @@ from pawnb.core.calibration.arrangement import Arrangement, arrange, as_vectors,
 from pawnb.core.calibration.bundle import Adjusted, Boards, ViewObservations, adjust
 from pawnb.core.calibration.corners import FEWEST_CORNERS
 from pawnb.core.calibration.intrinsics import LensFit, fit_lens
-from pawnb.core.calibration.optics import COLUMNS, POSE, camera_of_row, moved, row_of_camera
+from pawnb.core.calibration.optics import OPTICS_COLUMNS, POSE, camera_of_row, moved, row_of_camera
 from pawnb.errors import CalibrationError
 from pawnb.io.cameras import Camera
 
@@ -136,7 +136,7 @@ def calibrate_by_boards(
     rows = np.hstack([np.stack([one.lens for one in lenses]), as_vectors(start.cameras)])
     is_free = np.zeros(rows.shape, bool)
     for v, one in enumerate(lenses):
-        is_free[v, [COLUMNS.index(name) for name in one.free]] = True
+        is_free[v, [OPTICS_COLUMNS.index(name) for name in one.free]] = True
         is_free[v, POSE] = v != start.first
     found, shots = _without_outliers(sightings, start, rows, is_free, aside)
     at = _floor(shots, floor, n_shots=uv.shape[1])

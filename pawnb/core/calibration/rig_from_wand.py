@@ -18,7 +18,7 @@ from scipy.spatial.transform import Rotation
 
 from pawnb.core.calibration.bundle import Adjusted, ViewObservations, adjust
 from pawnb.core.calibration.optics import (
-    COLUMNS,
+    OPTICS_COLUMNS,
     POSE,
     camera_of_row,
     moved,
@@ -37,10 +37,10 @@ _FOCAL_GUESSES = (0.7, 1.0, 1.5, 2.5, 4.0)
 """Focal lengths to begin with, in lengths of the longer side: 71 to 14 degrees of view."""
 _GUESS_FRAMES = 30
 """Frames with which the guesses are tried."""
-_MOST_FRAMES = 300
+_MOST_WAND_FRAMES = 300
 """Frames that are adjusted: more add time and nothing else."""
 _RANSAC_PX = 3.0
-_STIFF = 10.0
+_STIFF_END = 10.0
 """The length of the wand is known that many times better than a pixel."""
 
 
@@ -106,7 +106,7 @@ class _Wands:
 
     def beside(self, xyz: np.ndarray) -> np.ndarray:
         length = np.linalg.norm(xyz[0::2] - xyz[1::2], axis=1)
-        return _STIFF * self.px_per_unit * (length - self.length)
+        return _STIFF_END * self.px_per_unit * (length - self.length)
 
     def beside_columns(self) -> np.ndarray:
         return 6 * np.arange(len(self.xyz) // 2)[:, None] + np.arange(6)
@@ -144,7 +144,7 @@ def calibrate_by_wand(wand: WandSightings) -> WandFit:
             f"{FEWEST_FRAMES} are needed, with the wand all over the filmed space and turned in "
             "all directions."
         )
-    frames = _some(frames, _MOST_FRAMES)
+    frames = _some(frames, _MOST_WAND_FRAMES)
     rows = _begin(wand, _some(frames, _GUESS_FRAMES))
     aside: dict[tuple[str, int], float] = {}  # view and frame to their error, px
     for _ in range(len(names) + 1):
@@ -202,7 +202,7 @@ def _lens_row(wand: WandSightings, view: int, guess: float) -> np.ndarray:
             )
         )  # fmt: skip
     width, height = wand.sizes[view]
-    row = np.zeros(len(COLUMNS))
+    row = np.zeros(len(OPTICS_COLUMNS))
     row[:4] = 1.0, guess * max(width, height), (width - 1) / 2, (height - 1) / 2
     return row
 
@@ -267,7 +267,7 @@ def _adjusted(
     is_free = np.zeros(rows.shape, bool)
     is_free[1:, POSE] = True
     if not wand.lenses:
-        is_free[:, COLUMNS.index("f")] = True
+        is_free[:, OPTICS_COLUMNS.index("f")] = True
     first = _to_first(rows)
     xyz = xyz @ first[0].T + first[1]
     depth = np.linalg.norm(xyz.reshape(-1, 3), axis=1).mean()

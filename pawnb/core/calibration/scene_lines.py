@@ -10,7 +10,7 @@ AXES = {"x": "#d55e00", "y": "#009e73", "z": "#56b4e9"}
 """Colours that most people can tell apart (Okabe & Ito 2008)."""
 GRID_COLOUR = "#f0e442"
 _CELLS = 6
-_SAMPLES = 13
+_LINE_SAMPLES = 13
 """Places along each line: lenses bend them."""
 
 
@@ -37,17 +37,17 @@ def scene_lines(
     step = grid_step(float(max(high - low)))
     first = np.floor(low[:2] / step) * step
     last = first + step * np.minimum(np.ceil((high[:2] - first) / step).clip(1), 4 * _CELLS)
-    along = np.linspace(0.0, 1.0, _SAMPLES)
+    along = np.linspace(0.0, 1.0, _LINE_SAMPLES)
     lines: list[dict[str, object]] = []
     for axis in (0, 1):
         for value in np.arange(first[axis], last[axis] + step / 2, step):
-            xyz = np.zeros((_SAMPLES, 3))
+            xyz = np.zeros((_LINE_SAMPLES, 3))
             xyz[:, axis] = value
             xyz[:, 1 - axis] = first[1 - axis] + along * (last - first)[1 - axis]
             lines.append({"at": _plain(show(xyz)), "colour": GRID_COLOUR})
     ends: list[dict[str, object]] = []
     for k, (name, colour) in enumerate(AXES.items()):
-        xyz = np.zeros((_SAMPLES, 3))
+        xyz = np.zeros((_LINE_SAMPLES, 3))
         xyz[:, k] = 2.0 * step * along
         at = _plain(show(xyz))
         lines.append({"at": at, "colour": colour})

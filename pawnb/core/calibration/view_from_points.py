@@ -11,7 +11,7 @@ from scipy.linalg import rq
 from pawnb.core import dlt
 from pawnb.core.calibration.bundle import KnownPoints, ViewObservations, adjust
 from pawnb.core.calibration.optics import (
-    COLUMNS,
+    OPTICS_COLUMNS,
     POSE,
     camera_of_row,
     show_points,
@@ -109,8 +109,8 @@ def fit_view(
             "the picture is that of a mirror, and no lens is found for either."
         )
     row = _begin(linear.coefs, xyz, uv, size)
-    is_free = np.zeros((1, len(COLUMNS)), bool)
-    is_free[0, [COLUMNS.index("f"), COLUMNS.index("k1")]] = True
+    is_free = np.zeros((1, len(OPTICS_COLUMNS)), bool)
+    is_free[0, [OPTICS_COLUMNS.index("f"), OPTICS_COLUMNS.index("k1")]] = True
     is_free[0, POSE] = True
     n = len(xyz)
     seen = ViewObservations(np.zeros(n, int), np.arange(n), uv)
@@ -134,7 +134,7 @@ def _begin(coefs: np.ndarray, xyz: np.ndarray, uv: np.ndarray, size: tuple[int, 
     found, rvec, tvec = cv2.solvePnP(xyz, uv, matrix, None, flags=cv2.SOLVEPNP_SQPNP)
     if not found:
         raise CalibrationError("no camera sees the points so; check that each click is on its own.")
-    row = np.zeros(len(COLUMNS))
+    row = np.zeros(len(OPTICS_COLUMNS))
     row[:4] = 1.0, f, *centre
     row[POSE] = np.r_[rvec.ravel(), tvec.ravel()]
     return row

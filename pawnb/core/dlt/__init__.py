@@ -13,7 +13,7 @@ Comes in: points in space and in pictures. Goes out: coefficients, and points th
 or triangulated.
 """
 
-from pawnb.core.dlt.fit import FLAT, MIN_POINTS, DltFit, fit_dlt
+from pawnb.core.dlt.fit import FLAT_SHARE, MIN_POINTS, DltFit, fit_dlt
 from pawnb.core.dlt.projection import (
     Triangulation,
     check_coefs,
@@ -26,7 +26,7 @@ from pawnb.core.dlt.projection import (
 )
 
 __all__ = [
-    "FLAT",
+    "FLAT_SHARE",
     "MIN_POINTS",
     "DltFit",
     "Triangulation",

@@ -13,7 +13,7 @@ from pawnb.errors import CalibrationError
 MIN_POINTS = 6
 """Six points give twelve equations for the eleven coefficients."""
 
-FLAT = 1e-3
+FLAT_SHARE = 1e-3
 """A point set is called flat if its depth is below this fraction of its length."""
 
 _UNDETERMINED = 1e-4
@@ -107,7 +107,7 @@ def _check_points(xyz: Points3D, uv: Points2D) -> None:
             f"others are duplicated); at least {MIN_POINTS} different ones are needed."
         )
     depth = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
-    if depth[1] <= FLAT * depth[0]:
+    if depth[1] <= FLAT_SHARE * depth[0]:
         raise CalibrationError(
             "the calibration points lie on one line; use points spread in all three directions."
         )
@@ -120,7 +120,7 @@ def _check_points(xyz: Points3D, uv: Points2D) -> None:
             "all calibration points but one lie in one plane; add points in front of or behind it."
         )
     spread = np.linalg.svd(uv - uv.mean(axis=0), compute_uv=False)
-    if spread[1] <= FLAT * spread[0]:
+    if spread[1] <= FLAT_SHARE * spread[0]:
         raise CalibrationError(
             "the clicks of the calibration points lie on one line in the picture; check them, "
             "or use points spread over the picture."
@@ -130,7 +130,7 @@ def _check_points(xyz: Points3D, uv: Points2D) -> None:
 def _is_flat(xyz: Points3D) -> bool:
     """Say whether points lie in one plane."""
     depth = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
-    return bool(depth[2] <= FLAT * depth[0])
+    return bool(depth[2] <= FLAT_SHARE * depth[0])
 
 
 def _normalise(points: FloatArray) -> tuple[FloatArray, FloatArray]:

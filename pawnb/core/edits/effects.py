@@ -22,6 +22,10 @@ from pawnb.core.edits.records import (
     Swap,
 )
 from pawnb.core.edits.stretches import (
+    EDITED,
+    MISSING,
+    PREDICTED,
+    REPROJECTED,
     clear,
     interpolate,
     only_within,
@@ -34,8 +38,6 @@ from pawnb.core.pose.corrected import put_pose
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 
-MISSING, PREDICTED = ORIGIN_CODE["missing"], ORIGIN_CODE["predicted"]
-EDITED, REPROJECTED = ORIGIN_CODE["edited"], ORIGIN_CODE["reprojected"]
 MEASURED, RESOLVED = ORIGIN_CODE["measured"], ORIGIN_CODE["resolved"]
 
 Retracker = Callable[..., Tracks]

@@ -7,18 +7,13 @@ from scipy.interpolate import PchipInterpolator
 
 from pawnb.arrays import BoolArray
 from pawnb.core.edits.records import Delete, Hide, Interpolate, Swap
-from pawnb.core.edits.stretches import rows_of_edit
+from pawnb.core.edits.stretches import EDITED, KNOTS_BESIDE, MISSING, PREDICTED, rows_of_edit
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.as_tracks import BODY, animal_of, poses_of, tracks_from_poses
+from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, poses_of, tracks_from_poses
 from pawnb.core.pose.poses import Poses, joint_positions, poses_from_joints
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE, Tracks
-
-_MISSING, _EDITED = ORIGIN_CODE["missing"], ORIGIN_CODE["edited"]
-_PREDICTED = ORIGIN_CODE["predicted"]
-_KNOTS = 4
-"""Known poses at either side that a path is led through, as for points."""
+from pawnb.schema import Tracks
 
 
 def edit_legs(tracks: Tracks, edit: Swap | Interpolate | Hide | Delete) -> Tracks:
@@ -76,7 +71,7 @@ def hide_leg(tracks: Tracks, rows: slice, leg: str) -> None:
     at = _points_of(tracks, leg)
     for prefix in ("", "image_"):
         tracks[f"{prefix}position"].values[rows][..., at, :] = np.nan
-        tracks[f"{prefix}origin"].values[rows][..., at, :] = _MISSING
+        tracks[f"{prefix}origin"].values[rows][..., at, :] = MISSING
         tracks[f"{prefix}confidence"].values[rows][..., at, :] = 0.0
 
 
@@ -128,12 +123,12 @@ def _interpolate_leg(tracks: Tracks, animal: StickAnimal, rows: slice, leg: str)
     poses, origin = whole.poses, whole.origin[:, i]
     values = np.column_stack([poses.angles_deg[:, joints], poses.lengths_px[:, segments]])
     known = np.isfinite(values).all(axis=1) & np.isfinite(poses.xy).all(axis=1)
-    known &= origin != _MISSING
+    known &= origin != MISSING
     within = np.zeros(len(known), dtype=bool)
     within[rows] = True
-    known &= ~within | (origin == _EDITED)
-    before = np.flatnonzero(known & (np.arange(len(known)) < rows.start))[-_KNOTS:]
-    after = np.flatnonzero(known & (np.arange(len(known)) >= rows.stop))[:_KNOTS]
+    known &= ~within | (origin == EDITED)
+    before = np.flatnonzero(known & (np.arange(len(known)) < rows.start))[-KNOTS_BESIDE:]
+    after = np.flatnonzero(known & (np.arange(len(known)) >= rows.stop))[:KNOTS_BESIDE]
     knots = np.concatenate([before, np.flatnonzero(known & within), after])
     new = np.flatnonzero(within & ~known & np.isfinite(poses.xy).all(axis=1))
     new = new[(new > knots.min(initial=len(known))) & (new < knots.max(initial=-1))]
@@ -155,7 +150,7 @@ def _interpolate_leg(tracks: Tracks, animal: StickAnimal, rows: slice, leg: str)
     )
     made = Poses(frames=poses.frames, xy=poses.xy, heading_deg=poses.heading_deg,
                  scale=poses.scale, angles_deg=angles, lengths_px=lengths)  # fmt: skip
-    codes = np.full((len(new), len(animal.legs)), _PREDICTED, dtype=np.int8)
+    codes = np.full((len(new), len(animal.legs)), PREDICTED, dtype=np.int8)
     sure = np.repeat(confidence[:, None], len(animal.legs), axis=1)
     _put(tracks, animal, new, made.take(new), [i], origin=codes, confidence=sure)
 
@@ -211,7 +206,7 @@ def _columns(animal: StickAnimal, leg: int) -> tuple[BoolArray, BoolArray]:
 def _leg_number(animal: StickAnimal, leg: str) -> int:
     """Return the number of a leg; raises InputError where there is none of that name."""
     if leg not in animal.leg_names:
-        words = f" ({BODY} is moved frame by frame)" if leg == BODY else ""
+        words = f" ({BODY_POINT} is moved frame by frame)" if leg == BODY_POINT else ""
         raise InputError(
             f"the animal has no leg {leg!r}; expected {', '.join(animal.leg_names)}{words}."
         )

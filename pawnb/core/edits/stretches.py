@@ -9,9 +9,9 @@ from pawnb.core.edits.records import Edit, Retrack, Swap
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import ORIGIN_CODE, Tracks
 
-_MISSING, _PREDICTED = ORIGIN_CODE["missing"], ORIGIN_CODE["predicted"]
-_REPROJECTED, _EDITED = ORIGIN_CODE["reprojected"], ORIGIN_CODE["edited"]
-_KNOTS = 4
+MISSING, PREDICTED = ORIGIN_CODE["missing"], ORIGIN_CODE["predicted"]
+REPROJECTED, EDITED = ORIGIN_CODE["reprojected"], ORIGIN_CODE["edited"]
+KNOTS_BESIDE = 4
 """Known positions at either side that a path over a gap is led through: the slopes of a
 piecewise cubic need two, and more than these do not change it within the gap."""
 
@@ -107,7 +107,7 @@ def clear(tracks: Tracks, rows: slice, point: str, *, view: str | None) -> None:
     views, p = _views(tracks, view), place_of(tracks, "keypoint", point)
     for v in views:
         tracks["image_position"].values[rows, v, :, p, 0] = np.nan
-        tracks["image_origin"].values[rows, v, p, 0] = _MISSING
+        tracks["image_origin"].values[rows, v, p, 0] = MISSING
         tracks["image_confidence"].values[rows, v, p, 0] = 0.0
 
 
@@ -187,12 +187,12 @@ def _interpolate_view(tracks: Tracks, rows: slice, view: int, point: int) -> boo
     uv = tracks["image_position"].values[:, view, :, point, 0]
     origin = tracks["image_origin"].values[:, view, point, 0]
     confidence = tracks["image_confidence"].values[:, view, point, 0]
-    known = np.isfinite(uv).all(axis=1) & ~np.isin(origin, (_MISSING, _REPROJECTED))
+    known = np.isfinite(uv).all(axis=1) & ~np.isin(origin, (MISSING, REPROJECTED))
     within = np.zeros(len(frames), dtype=bool)
     within[rows] = True
-    known &= ~within | (origin == _EDITED)
-    before = np.flatnonzero(known & (np.arange(len(frames)) < rows.start))[-_KNOTS:]
-    after = np.flatnonzero(known & (np.arange(len(frames)) >= rows.stop))[:_KNOTS]
+    known &= ~within | (origin == EDITED)
+    before = np.flatnonzero(known & (np.arange(len(frames)) < rows.start))[-KNOTS_BESIDE:]
+    after = np.flatnonzero(known & (np.arange(len(frames)) >= rows.stop))[:KNOTS_BESIDE]
     knots = np.concatenate([before, np.flatnonzero(known & within), after])
     new = np.flatnonzero(within & ~known)
     new = new[(new > knots.min(initial=len(frames))) & (new < knots.max(initial=-1))]
@@ -201,7 +201,7 @@ def _interpolate_view(tracks: Tracks, rows: slice, view: int, point: int) -> boo
     uv[new] = PchipInterpolator(frames[knots], uv[knots])(frames[new])
     at = np.searchsorted(knots, new)
     confidence[new] = np.minimum(confidence[knots[at - 1]], confidence[knots[at]])
-    origin[new] = _PREDICTED
+    origin[new] = PREDICTED
     return True
 
 

@@ -17,10 +17,10 @@ from pawnb.core.compiled import compiled
 from pawnb.core.jpeg.huffman_kernels import LANES, read_units
 from pawnb.core.jpeg.table_kernels import Tables
 
-_SIZE = 64 * LANES
+_LANES_OF_BLOCK = 64 * LANES
 STRIP_PX = 8 * LANES
 """Width of what is transformed at once, px."""
-_ROW = 8 * LANES
+_LANES_OF_ROW = 8 * LANES
 # round(cos(i pi / 16) sqrt(2) 2^14), less 1 for the fourth, as in FFmpeg
 _W1, _W2, _W3, _W4, _W5, _W6, _W7 = 22725, 21407, 19266, 16383, 12873, 8867, 4520
 _CUT_ROWS, _CUT_COLUMNS = 11, 20
@@ -59,8 +59,8 @@ def decode_units(
     left, top, right, bottom = box
     n = levels.shape[1]
     across, down, strips = _arrangement(blocks, n, right - left)
-    coefficients = np.zeros(strips[n] * _SIZE, np.int16)
-    middle, samples = np.zeros(_SIZE, np.int16), np.zeros(_SIZE, np.uint8)
+    coefficients = np.zeros(strips[n] * _LANES_OF_BLOCK, np.int16)
+    middle, samples = np.zeros(_LANES_OF_BLOCK, np.int16), np.zeros(_LANES_OF_BLOCK, np.uint8)
     a_row = (strips[1:] - strips[:-1]) // down
     lanes = np.zeros((len(blocks), 2), np.int64)
     for b in range(len(blocks)):
@@ -75,8 +75,8 @@ def decode_units(
         )  # fmt: skip
         for c in range(n):
             for s in range(strips[c + 1] - strips[c]):
-                at = (strips[c] + s) * _SIZE
-                _transform_rows(coefficients[at : at + _SIZE], middle)
+                at = (strips[c] + s) * _LANES_OF_BLOCK
+                _transform_rows(coefficients[at : at + _LANES_OF_BLOCK], middle)
                 _transform_columns(middle, samples)
                 v, u = divmod(s, a_row[c])
                 _put(samples, planes[c], 8 * ((row - top) * down[c] + v), STRIP_PX * u)
@@ -125,7 +125,7 @@ def _odds(x1: Any, x3: Any, x5: Any, x7: Any) -> tuple[Any, Any, Any, Any]:
 def _transform_rows(x: np.ndarray, middle: np.ndarray) -> None:
     """Transform the rows of coefficients of LANES blocks."""
     for row in range(8):
-        k = row * _ROW
+        k = row * _LANES_OF_ROW
         for n in range(k, k + LANES):
             x0, x1 = np.int32(x[n]), np.int32(x[n + LANES])
             x2, x3 = np.int32(x[n + 2 * LANES]), np.int32(x[n + 3 * LANES])
@@ -152,21 +152,21 @@ def _transform_columns(x: np.ndarray, samples: np.ndarray) -> None:
     for column in range(8):
         k = column * LANES
         for n in range(k, k + LANES):
-            x0, x1 = np.int32(x[n]), np.int32(x[n + _ROW])
-            x2, x3 = np.int32(x[n + 2 * _ROW]), np.int32(x[n + 3 * _ROW])
-            x4, x5 = np.int32(x[n + 4 * _ROW]), np.int32(x[n + 5 * _ROW])
-            x6, x7 = np.int32(x[n + 6 * _ROW]), np.int32(x[n + 7 * _ROW])
+            x0, x1 = np.int32(x[n]), np.int32(x[n + _LANES_OF_ROW])
+            x2, x3 = np.int32(x[n + 2 * _LANES_OF_ROW]), np.int32(x[n + 3 * _LANES_OF_ROW])
+            x4, x5 = np.int32(x[n + 4 * _LANES_OF_ROW]), np.int32(x[n + 5 * _LANES_OF_ROW])
+            x6, x7 = np.int32(x[n + 6 * _LANES_OF_ROW]), np.int32(x[n + 7 * _LANES_OF_ROW])
             a = np.int32(_W4 * np.int32(x0 + _HALF_COLUMNS))
             a0, a1, a2, a3 = _evens(a, x2, x4, x6)
             b0, b1, b2, b3 = _odds(x1, x3, x5, x7)
             samples[n] = _sample(np.int32(a0 + b0))
-            samples[n + _ROW] = _sample(np.int32(a1 + b1))
-            samples[n + 2 * _ROW] = _sample(np.int32(a2 + b2))
-            samples[n + 3 * _ROW] = _sample(np.int32(a3 + b3))
-            samples[n + 4 * _ROW] = _sample(np.int32(a3 - b3))
-            samples[n + 5 * _ROW] = _sample(np.int32(a2 - b2))
-            samples[n + 6 * _ROW] = _sample(np.int32(a1 - b1))
-            samples[n + 7 * _ROW] = _sample(np.int32(a0 - b0))
+            samples[n + _LANES_OF_ROW] = _sample(np.int32(a1 + b1))
+            samples[n + 2 * _LANES_OF_ROW] = _sample(np.int32(a2 + b2))
+            samples[n + 3 * _LANES_OF_ROW] = _sample(np.int32(a3 + b3))
+            samples[n + 4 * _LANES_OF_ROW] = _sample(np.int32(a3 - b3))
+            samples[n + 5 * _LANES_OF_ROW] = _sample(np.int32(a2 - b2))
+            samples[n + 6 * _LANES_OF_ROW] = _sample(np.int32(a1 - b1))
+            samples[n + 7 * _LANES_OF_ROW] = _sample(np.int32(a0 - b0))
 
 
 @compiled
@@ -186,4 +186,4 @@ def _put(samples: np.ndarray, plane: np.ndarray, top: int, left: int) -> None:
         row = plane[top + v, left : left + STRIP_PX]
         for n in range(LANES):
             for u in range(8):
-                row[8 * n + u] = samples[v * _ROW + u * LANES + n]
+                row[8 * n + u] = samples[v * _LANES_OF_ROW + u * LANES + n]

@@ -21,9 +21,9 @@ _SOF0, _DHT, _SOI, _SOS, _DQT, _DRI = 0xC0, 0xC4, 0xD8, 0xDA, 0xDB, 0xDD
 _APP0, _APP14, _LAST_APP, _COM = 0xE0, 0xEE, 0xEF, 0xFE
 _MOST_BLOCKS = 10
 """Blocks in a unit (T.81, B.2.3)."""
-_WRONG = 0xFF
+_WRONG_CODE = 0xFF
 """In place of the name of a Huffman code that is wrong."""
-_MOST_BYTES = 2**19
+_MOST_HEADER_BYTES = 2**19
 """A picture with longer headers is left to FFmpeg; those of cameras have less than 1 kB."""
 _STUDIO_RANGE = b"CS=ITU601"
 """A comment by which FFmpeg takes the samples to be 16..235."""
@@ -107,7 +107,7 @@ def read_plan(header: bytes) -> JpegHeader | None:
     JpegHeader or None
         None where the picture is of a sort that is not understood here, or wrong.
     """
-    segments = _segments(header) if len(header) <= _MOST_BYTES else None
+    segments = _segments(header) if len(header) <= _MOST_HEADER_BYTES else None
     if segments is None or len(segments.frame) < 6 or not segments.scan:
         return None
     parts = _components(segments)
@@ -224,7 +224,7 @@ def _codes(
     # a code may be defined again, any number of times: what counts is the last
     last = {name: (name, counts, symbols) for name, counts, symbols in _listed(body)}
     names = dict.fromkeys(name for pair in pairs for name in pair)
-    if _WRONG in last or any(name not in last for name in names):
+    if _WRONG_CODE in last or any(name not in last for name in names):
         return None
     listed = [last[name] for name in names]
     which = {name: row for row, name in enumerate(names)}
@@ -255,7 +255,7 @@ def _listed(body: bytes) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
         counts[0] = 0
         n = int(counts.sum())
         if len(body) < at + 17 + n or n > 256 or name & 0xEC:
-            yield _WRONG, counts, counts
+            yield _WRONG_CODE, counts, counts
             return
         yield name, counts, np.frombuffer(body, np.uint8, n, at + 17)
         at += 17 + n

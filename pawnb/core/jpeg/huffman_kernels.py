@@ -30,7 +30,7 @@ _DOWN = np.uint64(64 - LOOKED_AT)
 _LAST = np.uint64(64 - LOOKED_AT)
 _0, _1, _3, _6, _8, _63, _64 = (np.uint64(n) for n in (0, 1, 3, 6, 8, 63, 64))
 _RST, _EOI = 0xD0, 0xD9
-_GREY = 1024
+_GREY_DC = 1024
 """DC of a block of 128: samples are coded as differences from it (T.81, A.3.1)."""
 _LITTLE = sys.byteorder == "little"
 _ONES, _HIGHS = np.uint64(0x0101010101010101), np.uint64(0x8080808080808080)
@@ -301,7 +301,7 @@ def read_units(
             if entry == 0:
                 entry = _long(bits, blocks[b, 1], False, one, ends, offsets, values)
             level[c] += entry >> 16
-            coefficients[first + LANES * scales[c, 0, 0]] = level[c] * scales[c, 0, 1] + _GREY
+            coefficients[first + LANES * scales[c, 0, 0]] = level[c] * scales[c, 0, 1] + _GREY_DC
             used = shift = np.uint64(entry & 255)
             code = blocks[b, 2]
             k = 0

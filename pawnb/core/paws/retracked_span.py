@@ -20,7 +20,7 @@ from pawnb.schema import ORIGIN_CODE, Tracks
 TOLERANCE_PX = 2.0
 """Tracks as near as this in every view are the same, in pictures 2048 px wide."""
 
-_FAR = 10.0
+_FAR_OF_TOLERANCE = 10.0
 """A point has left its place where it is so many tolerances away: 20 px, half a paw."""
 
 MET_FRAMES = 10
@@ -200,7 +200,9 @@ def keep_untouched(
     keep = (rows < here) | (rows >= stretch.until)
     if joint:
         anew = (rows >= here) & (rows < stretch.until)
-        keep &= ~_made_way(uv, now, by_hand.any(axis=1), here, anew=anew, limit=_FAR * tolerance)
+        keep &= ~_made_way(
+            uv, now, by_hand.any(axis=1), here, anew=anew, limit=_FAR_OF_TOLERANCE * tolerance
+        )
     return keep_rows(old, new, keep)
 
 

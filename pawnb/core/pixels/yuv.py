@@ -13,7 +13,7 @@ import numpy as np
 
 from pawnb.core.pixels.colour import ArrayBased, GreyPicture, PartPicture, Picture
 
-_SHIFT = 6
+_FIXED_POINT_BITS = 6
 """Binary digits kept behind the point while the three terms are added in int16."""
 _BAND_ROWS = 64
 """Rows converted at once: the intermediate arrays stay in the processor's cache."""
@@ -117,7 +117,7 @@ class YuvPicture(ArrayBased):
 
     def luma(self) -> GreyPicture:
         """Return Y, stretched to 0..255, as a grey picture (a raw mosaic lies in Y)."""
-        table = np.clip(self._tables[0] >> _SHIFT, 0, 255).astype(np.uint8)
+        table = np.clip(self._tables[0] >> _FIXED_POINT_BITS, 0, 255).astype(np.uint8)
         return GreyPicture(cv2.LUT(self._pixels, table))
 
     def _band(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
@@ -142,7 +142,7 @@ class YuvPicture(ArrayBased):
         grey = cv2.LUT(self._pixels[v0:v1, u0:u1], luma)
         # cv2.add saturates in int16, far outside what the clip below lets through
         total = np.asarray(cv2.add(cv2.merge((grey, grey, grey)), chroma))
-        np.right_shift(total, _SHIFT, out=total)
+        np.right_shift(total, _FIXED_POINT_BITS, out=total)
         return np.clip(total, 0, 255, out=total).astype(np.uint8)
 
 
@@ -173,7 +173,7 @@ def _yuv_tables(standard: str, full_range: bool) -> tuple[np.ndarray, ...]:
         green[2] * (code - 128),
         blue[1] * (code - 128),
     )
-    return tuple(np.rint(term * 2**_SHIFT).astype(np.int16) for term in terms)
+    return tuple(np.rint(term * 2**_FIXED_POINT_BITS).astype(np.int16) for term in terms)
 
 
 def _shrink(plane: np.ndarray, size: tuple[int, int]) -> np.ndarray:

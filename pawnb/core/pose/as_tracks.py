@@ -20,14 +20,14 @@ from pawnb.core.pose.track_result import PoseTrack
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks, make_tracks
 
-BODY = "body"
+BODY_POINT = "body"
 """Name of the point at the origin of the body's frame."""
 
 
 def point_names(animal: StickAnimal) -> tuple[str, ...]:
     """Return the points of an animal's Tracks: body, tips, then the joints leg by leg."""
     joints = [f"{leg.name}.{joint}" for leg in animal.legs for joint in leg.joints]
-    return (BODY, *animal.leg_names, *joints)
+    return (BODY_POINT, *animal.leg_names, *joints)
 
 
 def tracks_from_poses(
@@ -170,7 +170,7 @@ def poses_of(tracks: Tracks) -> PoseTrack:
     if "sd" in one and one.sizes["space"] == 2:
         px = float(one.attrs.get("px_per_unit", 1.0))
         values = one["sd"].transpose("time", "keypoint", "space").to_numpy() * px
-        xy_sd = values[:, points.index(BODY)]
+        xy_sd = values[:, points.index(BODY_POINT)]
         for i, leg in enumerate(animal.legs):
             names = [*(f"{leg.name}.{joint}" for joint in leg.joints), leg.name]
             sd[:, i, : len(names)] = values[:, [points.index(name) for name in names]]
@@ -183,7 +183,7 @@ def poses_of(tracks: Tracks) -> PoseTrack:
     return PoseTrack(
         poses=Poses(
             frames=one["frame"].to_numpy(),
-            xy=image.to_numpy()[:, points.index(BODY)],
+            xy=image.to_numpy()[:, points.index(BODY_POINT)],
             heading_deg=one["heading"].to_numpy(),
             scale=one["scale"].to_numpy(),
             angles_deg=one["joint_angle"].transpose("time", "joint").to_numpy(),

@@ -27,7 +27,7 @@ from pawnb.trial import View
 
 QUANTISATION_SD = 1 / math.sqrt(12)
 """Standard deviation of rounding to whole grey values: no pixel is known better."""
-_MOST_FRAMES = 200
+_MOST_EMPTY_FRAMES = 200
 """More empty frames than this add nothing to mean and standard deviation."""
 _SAMPLED = 60
 _KEPT_SDS, _KEPT_GREY = 3.0, 2.0
@@ -136,7 +136,7 @@ def mean_background(reader: ViewReader, numbers: Iterable[int]) -> Background:
             f"{len(every)} empty frame{'s' * (len(every) != 1)} for the background; expected two "
             "or more, to tell how much a pixel varies."
         )
-    chosen = _spread(every, _MOST_FRAMES)
+    chosen = _spread(every, _MOST_EMPTY_FRAMES)
     shift = grey(reader.frame(int(chosen[0])).image()).astype(float)
     total, squares = np.zeros_like(shift), np.zeros_like(shift)
     for i in chosen:

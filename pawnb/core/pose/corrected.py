@@ -17,7 +17,7 @@ from pawnb.errors import InputError
 from pawnb.io.pose import check_pose
 from pawnb.schema import ORIGIN_CODE, Tracks
 
-_DECIMALS = 4
+_CORRECTED_DECIMALS = 4
 """As many as a pose file holds: 0.0001 px, 0.0001 degree."""
 
 
@@ -37,7 +37,9 @@ def pose_values(animal: StickAnimal, pose: Poses) -> dict[str, float]:
         x, y, heading, the joints, scale and projected lengths.
     """
     table = pose_table(animal, plain_track(animal, pose)).drop(columns="frame")
-    return {str(name): round(float(value), _DECIMALS) for name, value in table.iloc[0].items()}
+    return {
+        str(name): round(float(value), _CORRECTED_DECIMALS) for name, value in table.iloc[0].items()
+    }
 
 
 def put_pose(tracks: Tracks, frame: int, values: Mapping[str, float]) -> Tracks:

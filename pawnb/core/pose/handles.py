@@ -10,11 +10,11 @@ import numpy as np
 
 from pawnb.core.pose.animal import Leg
 
-STEPS = 40
+DRAG_STEPS = 40
 """Steps of the search for angles that bring the tip to a place."""
-_DAMPING = 0.004
+_DRAG_DAMPING = 0.004
 """Damping of these steps, as a share of the leg's squared length."""
-_STIFF = 0.05
+_STIFF_JOINT = 0.05
 """How freely a joint turns further beyond its range, compared with one within."""
 
 
@@ -132,8 +132,8 @@ def reach_tip(
     # joints with a wide range do most of the turning
     freedom = np.array(leg.free) * (half / 60.0 + 0.05)
     size = float(steps_px.sum())
-    damping = _DAMPING * size**2
-    for _ in range(STEPS):
+    damping = _DRAG_DAMPING * size**2
+    for _ in range(DRAG_STEPS):
         places = leg_places(
             leg, root, heading_deg=heading_deg, angles_deg=angles, steps_px=steps_px
         )
@@ -146,7 +146,7 @@ def reach_tip(
         across = -leg.side * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
         wish = across @ miss  # which way each joint would turn
         beyond = (np.abs(angles - natural) > half) & (wish * (angles - natural) > 0)
-        weight = freedom * np.where(beyond, _STIFF, 1.0)
+        weight = freedom * np.where(beyond, _STIFF_JOINT, 1.0)
         a = float(weight @ across[:, 0] ** 2) + damping
         b = float(weight @ (across[:, 0] * across[:, 1]))
         d = float(weight @ across[:, 1] ** 2) + damping

@@ -29,7 +29,7 @@ _HIGHEST = 0.34
 """Multiples above this frequency (per px) are left out: noise and compression rule there."""
 _NOISE = 0.7
 """A multiple counts against a grid where its power is no more than e to this times that between."""
-_SURE = 4.0
+_SURE_SCORE = 4.0
 """Least evidence along each direction: noise and vignetting alone give at most about 2."""
 _BIN_PX = 0.25
 """Width of the bins across the lines."""
@@ -206,7 +206,7 @@ def _find_pitch(flat: Float32Array) -> tuple[float, float] | None:
                 continue
             one, refined = _evidence(log, peak / multiple)
             two, _ = _evidence(log, np.array([-refined[1], refined[0]]))
-            if min(one, two) > _SURE and (best is None or one + two > best[0]):
+            if min(one, two) > _SURE_SCORE and (best is None or one + two > best[0]):
                 angle = float(np.degrees(np.arctan2(refined[0], refined[1])))
                 best = (one + two, 1 / float(np.hypot(*refined)), angle)
     return None if best is None else (best[1] / _repeats(log, best[1], best[2]), best[2])

@@ -27,7 +27,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.track_result import PoseTrack
-from pawnb.core.suspects.frames import choose_frames
+from pawnb.core.suspects.frames import SECOND_SHARE, choose_frames
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks
 from pawnb.signals.robust import MAD_TO_SD
 
@@ -36,15 +36,13 @@ _USUAL_CONFIDENCE = 0.5
 _TURN_SD, _LEAST_TURN_DEG = 4.0, 10.0
 _BEYOND_DEG = 10.0
 """A joint so far beyond its range is doubted: ranges are soft at their ends."""
-_VAGUE = 3.0
+_VAGUE_TIP = 3.0
 """A tip is doubted where its SD is so many times the usual one."""
-_TELLING = 0.5
-"""A second leg or reason is named where it weighs at least this much of the first."""
-_APART_FRAMES = 12.0
+_POSES_APART_FRAMES = 12.0
 """About half a stride of a running spider at 125 frames per second."""
 _LEAST_SCORE = 0.5
 """Frames with less doubt than this are not listed."""
-_MOST = 3.0
+_MOST_DOUBT = 3.0
 """What one reason adds at most, so that none drowns the others."""
 
 
@@ -83,15 +81,15 @@ def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
         _crosses(animal, track),
         _vague(animal, track),
     ]
-    total = np.sum([np.minimum(doubt.score, _MOST) for doubt in doubts], axis=0)
+    total = np.sum([np.minimum(doubt.score, _MOST_DOUBT) for doubt in doubts], axis=0)
     total[(track.origin == ORIGIN_CODE["edited"]) | (track.origin == ORIGIN_CODE["missing"])] = 0.0
     frames, view = track.poses.frames, str(tracks["view"].to_numpy()[0])
     rows = []
     for t, score, left in choose_frames(
-        total, frames, apart=_APART_FRAMES, least_score=_LEAST_SCORE
+        total, frames, apart=_POSES_APART_FRAMES, least_score=_LEAST_SCORE
     ):
         for leg in np.argsort(-left, kind="stable").tolist():
-            if left[leg] > 0 and left[leg] >= _TELLING * left.max():
+            if left[leg] > 0 and left[leg] >= SECOND_SHARE * left.max():
                 reason = _in_words(doubts, t, leg)
                 rows.append((int(frames[t]), view, animal.leg_names[leg], reason, round(score, 3)))
     return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
@@ -104,7 +102,7 @@ def _in_words(doubts: list[_Doubt], t: int, leg: int) -> str:
     return "; ".join(
         doubt.words.format(float(doubt.value[t, leg]))
         for doubt in ranked[:2]
-        if doubt.score[t, leg] >= _TELLING * heaviest
+        if doubt.score[t, leg] >= SECOND_SHARE * heaviest
     )
 
 
@@ -203,7 +201,7 @@ def _vague(animal: StickAnimal, track: PoseTrack) -> _Doubt:
     sd = np.hypot(*np.moveaxis(track.places_sd_px[:, np.arange(len(last)), last], -1, 0))
     known = sd[np.isfinite(sd)]
     usual = max(float(np.median(known)) if len(known) else 1.0, 1e-6)
-    score = np.nan_to_num(np.maximum(sd / (_VAGUE * usual) - 1.0, 0.0))
+    score = np.nan_to_num(np.maximum(sd / (_VAGUE_TIP * usual) - 1.0, 0.0))
     return _Doubt("its tip is only known to {:.1f} px", score, np.nan_to_num(sd))
 
 

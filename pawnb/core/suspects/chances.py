@@ -14,7 +14,7 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray, IntArray
 
-AROUND_FRAMES = 3
+SEEN_AROUND_FRAMES = 3
 """A look at a point shows whether it is right so many frames before and after."""
 
 _PREFERENCE = 1e-3
@@ -109,7 +109,7 @@ def worth_a_look(suspects: pd.DataFrame) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Rows without an earlier one of the same view and point within :data:`AROUND_FRAMES`.
+        Rows without an earlier one of the same view and point within :data:`SEEN_AROUND_FRAMES`.
     """
     seen: dict[tuple[str, str], set[int]] = {}
     kept = []
@@ -119,5 +119,5 @@ def worth_a_look(suspects: pd.DataFrame) -> pd.DataFrame:
         near = seen.setdefault((str(view), str(point)), set())
         kept.append(int(frame) not in near)
         if kept[-1]:
-            near.update(range(int(frame) - AROUND_FRAMES, int(frame) + AROUND_FRAMES + 1))
+            near.update(range(int(frame) - SEEN_AROUND_FRAMES, int(frame) + SEEN_AROUND_FRAMES + 1))
     return suspects[np.array(kept, dtype=bool)]

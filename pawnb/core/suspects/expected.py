@@ -17,7 +17,7 @@ from scipy.special import expit, logit
 
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.quality.assessment import label_chances
-from pawnb.core.suspects.chances import AROUND_FRAMES
+from pawnb.core.suspects.chances import SEEN_AROUND_FRAMES
 from pawnb.core.suspects.evidence import image_positions
 from pawnb.schema import ORIGIN_CODE, Tracks
 
@@ -46,7 +46,7 @@ def seen_labels(tracks: Tracks, seen: Iterable[Seen]) -> BoolArray:
         Tracks.
     seen : iterable of (frame, view, point)
         Labels of which a person said so. They show those of the same point and view up to
-        :data:`~pawnb.core.suspects.chances.AROUND_FRAMES` frames before and after, too.
+        :data:`~pawnb.core.suspects.chances.SEEN_AROUND_FRAMES` frames before and after, too.
 
     Returns
     -------
@@ -61,7 +61,7 @@ def seen_labels(tracks: Tracks, seen: Iterable[Seen]) -> BoolArray:
     )
     for frame, view, point in seen:
         if view in views and point in points:
-            near = np.abs(frames - frame) <= AROUND_FRAMES
+            near = np.abs(frames - frame) <= SEEN_AROUND_FRAMES
             mask[near, views[view], points[point]] = True
     return mask
 

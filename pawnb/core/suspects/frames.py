@@ -29,19 +29,18 @@ import pandas as pd
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.rig import Rig
-from pawnb.core.suspects.chances import AROUND_FRAMES as LABEL_AROUND_FRAMES
-from pawnb.core.suspects.chances import doubted_labels
+from pawnb.core.suspects.chances import SEEN_AROUND_FRAMES, doubted_labels
 from pawnb.core.suspects.evidence import LabelEvidence, collect_evidence, image_positions
 from pawnb.core.suspects.limits import collect_limits
-from pawnb.core.suspects.rates import AROUND_FRAMES, choose_looks, error_rates, weigh
+from pawnb.core.suspects.rates import WRONG_AROUND_FRAMES, choose_looks, error_rates, weigh
 from pawnb.core.suspects.uncertainty import Doubt, collect_doubts, recognised, states_uncertainty
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks, check_tracks
 
-_TELLING = 0.5
+SECOND_SHARE = 0.5
 """A second point or reason is named where it weighs at least this much of the first."""
 
-_APART_FRAMES = 25.0
+_POINTS_APART_FRAMES = 25.0
 """One stride of a fast mouse at 250 frames per second: how long a lost paw is lost."""
 _LEAST_DEVIATIONS = 1.0
 """Frames with less doubt than this are not listed, of tracks without uncertainty."""
@@ -50,10 +49,10 @@ _LEAST_ERRORS = 0.02
 _LEAST_WRONG = 0.1
 """Of labels that state their chance of being right, those are listed that are wrong with this one
 or a larger: a recording whose labels all are surer is good."""
-_LEAST_SHARE = 0.02
+_LEAST_CHANCE_SHARE = 0.02
 """This share of frames is listed in any case: a recording may err where no other did."""
 
-_REACH = 8
+_FRAMES_REACHED = 8
 """Doubts further away than this many ``apart_frames`` are not calmed (by 0.03 %)."""
 
 
@@ -167,9 +166,9 @@ def _by_expected_errors(
     looks = choose_looks(
         np.where(known & ~by_hand, error_rates(doubts), 0.0),
         frames,
-        around=AROUND_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
+        around=WRONG_AROUND_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
         least=settings.least_score or _LEAST_ERRORS,
-        at_least=0 if settings.least_score else round(_LEAST_SHARE * len(frames)),
+        at_least=0 if settings.least_score else round(_LEAST_CHANCE_SHARE * len(frames)),
     )
     weights = np.stack([weigh(doubt) for doubt in doubts])
     # it shows best where it is seen, and least like itself
@@ -178,7 +177,7 @@ def _by_expected_errors(
     rows = []
     for t, score, expected, worst in looks:
         for p in np.argsort(-expected, kind="stable").tolist():
-            if expected[p] >= _TELLING * expected.max():
+            if expected[p] >= SECOND_SHARE * expected.max():
                 at = int(worst[p])
                 view = views[int(showing[at, :, p].argmax())]
                 when = _elsewhere_in_words(int(frames[at]), int(frames[t]))
@@ -197,7 +196,7 @@ def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
     listed = doubted_labels(
         wrong,
         frames,
-        around=LABEL_AROUND_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
+        around=SEEN_AROUND_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
         least=settings.least_score or _LEAST_WRONG,
     )
     rows = []
@@ -216,7 +215,7 @@ def _heaviest(doubts: list[Doubt], weights: FloatArray, row: int, point: int) ->
     rest = np.where(np.arange(len(doubts)) == first, -np.inf, weights)
     second = int(np.argmax(rest))
     said = [doubts[first].words(row, point)]
-    if weights[second] >= _TELLING * weights[first] > 0:
+    if weights[second] >= SECOND_SHARE * weights[first] > 0:
         said.append(doubts[second].words(row, point))
     return "; ".join(said)
 
@@ -242,11 +241,11 @@ def _by_evidence(
     for t, score, doubts in choose_frames(
         total.max(axis=1),
         frames,
-        apart=settings.apart_frames or _APART_FRAMES,
+        apart=settings.apart_frames or _POINTS_APART_FRAMES,
         least_score=settings.least_score or _LEAST_DEVIATIONS,
     ):
         for p in np.argsort(-doubts, kind="stable").tolist():
-            if doubts[p] >= _TELLING * doubts.max():
+            if doubts[p] >= SECOND_SHARE * doubts.max():
                 v = int(total[t, :, p].argmax())
                 said = _in_words(evidence, (t, v, p))
                 rows.append((int(frames[t]), views[v], points[p], said, round(score, 3)))
@@ -280,7 +279,7 @@ def choose_frames(
     """
     left = doubts.copy()
     gain = left.sum(axis=1)
-    reach = _REACH * apart
+    reach = _FRAMES_REACHED * apart
     chosen = []
     while len(gain) and gain.max() >= least_score:
         t = int(gain.argmax())
@@ -296,6 +295,6 @@ def _in_words(evidence: list[LabelEvidence], key: tuple[int, int, int]) -> str:
     """Return the heaviest evidence of a label, and the next if it weighs enough."""
     ranked = sorted(evidence, key=lambda item: -item.score[key])
     said = [ranked[0].words(key)]
-    if ranked[1].score[key] >= _TELLING * ranked[0].score[key]:
+    if ranked[1].score[key] >= SECOND_SHARE * ranked[0].score[key]:
         said.append(ranked[1].words(key))
     return "; ".join(said)

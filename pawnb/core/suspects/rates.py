@@ -16,7 +16,7 @@ import numpy as np
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.suspects.uncertainty import Doubt
 
-AROUND_FRAMES = 5
+WRONG_AROUND_FRAMES = 5
 """Who looks at a frame sees what is wrong so many frames before and after it."""
 
 _PLATEAU = 0.95
@@ -85,7 +85,7 @@ in whose tracks there are 17 errors to learn from; the other curves were left as
 There ``separation`` added hardly anything to them (-0.19 to 0.04), so that it is set by hand:
 the less candidates are separated, the more is doubted, by a factor of two at most."""
 
-LIMITS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
+DOUBT_LIMITS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "reprojection": ((0.9, 1.5), (0, 11)),
     "leap": ((1.8, 3), (0, 11)),
     "passes": ((0.5, 1.5), (0, 8)),
@@ -99,7 +99,7 @@ def weigh(doubt: Doubt) -> FloatArray:
     """Return how a reason changes the log-odds (n, P) of an error."""
     parts = []
     for name, values in doubt.measures.items():
-        curve = CURVES.get(name) or LIMITS[name]
+        curve = CURVES.get(name) or DOUBT_LIMITS[name]
         parts.append(np.where(np.isnan(values), 0.0, np.interp(values, *curve)))
     return np.asarray(np.sum(parts, axis=0))
 

@@ -38,7 +38,7 @@ _FASTEST = 1.5
 """Speeds beyond this many times that of the fast tenth count no more."""
 _SIZE_SD = 12.0
 """Usual standard deviations of a place in the size of a paw, where there is one point only."""
-_VAGUE = 4.0
+_VAGUE_STRIDE = 4.0
 """Tracks this many times vaguer than usual count half where the stride is learnt."""
 _PLAIN_ODDS = 1000
 """Odds above this are not written out."""
@@ -315,7 +315,7 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[FloatArray, FloatArray]:
     cycle = learn_cycle(
         x, follow_body(x, max(1, round(2.0 * usually.body_s * fps))), axes=axes,
         frames=(usually.shortest_stride_s * fps, usually.longest_stride_s * fps), noise=usual / 2.0,
-        trust=np.nan_to_num(1.0 / (1.0 + (sd / (_VAGUE * usual)) ** 2)),
+        trust=np.nan_to_num(1.0 / (1.0 + (sd / (_VAGUE_STRIDE * usual)) ** 2)),
     )  # fmt: skip
     if cycle is not None:
         rows = np.arange(n)

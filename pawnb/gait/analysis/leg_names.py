@@ -10,8 +10,8 @@ from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
-_SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
-_RANKS = {
+_SIDE_WORDS = {"l": "L", "left": "L", "r": "R", "right": "R"}
+_RANK_WORDS = {
     "f": "F", "fore": "F", "front": "F", "anterior": "F", "pro": "F",
     "m": "M", "mid": "M", "middle": "M", "meso": "M",
     "h": "H", "hind": "H", "rear": "H", "back": "H", "posterior": "H", "meta": "H",
@@ -29,9 +29,9 @@ _FRONT = ("snout", "nose", "head", "neck")
 _REAR = ("butt", "tailbase", "tail", "abdomen", "hip", "pelvis")
 _NOT_REAR = ("tip", "end", "mid", "middle", "center", "centre", "distal")
 
-_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_WORDS_OF_NAME = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(
-    rf"(?P<rank>{'|'.join(sorted(_RANKS, key=len, reverse=True))})"
+    rf"(?P<rank>{'|'.join(sorted(_RANK_WORDS, key=len, reverse=True))})"
     rf"(?P<limb>{'|'.join(_LIMBS)})s?(?P<side>[lr])?"
 )
 _PAIR = re.compile(r"(?P<a>[lrfmh])(?P<b>[lrfmh])")
@@ -155,22 +155,26 @@ def _read(point: str) -> tuple[tuple[str, str], int] | None:
         leg = find_leg_place(chain["leg"])
         return ((leg.side, str(leg.rank)), ord("F") - ord(chain["part"])) if leg else None
     side = rank = ""
-    words = [word.lower() for word in _WORDS.findall(point)]
+    words = [word.lower() for word in _WORDS_OF_NAME.findall(point)]
     limb = False
     for word in words:
         glued, pair = _GLUED.fullmatch(word), _PAIR.fullmatch(word)
         if glued:
-            rank, side, limb = _RANKS[glued["rank"]], side or _SIDES.get(glued["side"], ""), True
+            rank, side, limb = (
+                _RANK_WORDS[glued["rank"]],
+                side or _SIDE_WORDS.get(glued["side"], ""),
+                True,
+            )
         elif (
             pair and {pair["a"], pair["b"]} & set("lr") and not {pair["a"], pair["b"]} <= set("lr")
         ):
             for letter in word:
-                side, rank = _SIDES.get(letter, side), _RANKS.get(letter, rank)
+                side, rank = _SIDE_WORDS.get(letter, side), _RANK_WORDS.get(letter, rank)
             limb = True
-        elif word in _SIDES:
-            side = side or _SIDES[word]
-        elif word in _RANKS:
-            rank = rank or _RANKS[word]
+        elif word in _SIDE_WORDS:
+            side = side or _SIDE_WORDS[word]
+        elif word in _RANK_WORDS:
+            rank = rank or _RANK_WORDS[word]
         limb = limb or word.rstrip("s") in _LIMBS
     depth = next(
         (i for i, group in enumerate(_DISTAL) if any(word in group for word in words)), None
@@ -194,7 +198,7 @@ def guess_body(points: Iterable[str]) -> tuple[str, str] | None:
         A point at the rear (base of the tail, butt, abdomen) and one in front (snout, nose,
         head, neck), the first of each list that is there; None where there are not both.
     """
-    words = {point: [w.lower() for w in _WORDS.findall(point)] for point in points}
+    words = {point: [w.lower() for w in _WORDS_OF_NAME.findall(point)] for point in points}
 
     def first(wanted: tuple[str, ...], refused: tuple[str, ...] = ()) -> str | None:
         for word in wanted:

@@ -16,11 +16,16 @@ from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.phases.phase_table import build_phases, summarise_phases
-from pawnb.gait.strides.stride_table import PARTNER, Motion, build_strides, choose_stride_event
+from pawnb.gait.strides.stride_table import (
+    PARTNER,
+    TRIAL_KEYS,
+    Motion,
+    build_strides,
+    choose_stride_event,
+)
 
 Pairs = Sequence[tuple[str, str]]
-_KEYS = ["animal", "trial"]
-_TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
+_GAIT_TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -84,9 +89,9 @@ class GaitTables:
 
     def __repr__(self) -> str:
         """Return how large each table is; the tables themselves are for their own cells."""
-        known = self.events[_KEYS].drop_duplicates()
+        known = self.events[TRIAL_KEYS].drop_duplicates()
         n_animals, n_trials = known["animal"].nunique(), len(known)
-        sizes = [f"{name}: {len(getattr(self, name))} rows" for name in _TABLES]
+        sizes = [f"{name}: {len(getattr(self, name))} rows" for name in _GAIT_TABLES]
         more = [f"{len(self.notes)} notes", *(["corrected by hand"] if self.found else [])]
         of = (
             f"{n_trials} trial{'s' * (n_trials != 1)} of {n_animals} animal{'s' * (n_animals != 1)}"
@@ -127,7 +132,7 @@ def pool(parts: Sequence[GaitTables], *, settings: EventSettings | None = None) 
         raise InputError("nothing to pool: expected at least one analysis.")
     seen: set[tuple[str, str]] = set()
     for part in parts:
-        both = (part.events[_KEYS], part.dropped[_KEYS])
+        both = (part.events[TRIAL_KEYS], part.dropped[TRIAL_KEYS])
         own = {tuple(row) for t in both for row in t.drop_duplicates().to_numpy()}
         double = sorted(seen & own)
         if double:

@@ -28,7 +28,7 @@ from pawnb.gait.inference.circular_sample import (
 )
 from pawnb.gait.inference.permutations import shuffle_in_blocks
 
-_MOST_ARRANGEMENTS = 20_000
+_MOST_GROUPINGS = 20_000
 
 
 def watson_williams_test(
@@ -278,7 +278,7 @@ def _permute(
     given = np.repeat(np.arange(len(sizes)), sizes)
     two = len(sizes) == 2
     observed = float(statistic((given == 0 if two else given)[None, :])[0])
-    if two and math.comb(n, sizes[0]) <= _MOST_ARRANGEMENTS:
+    if two and math.comb(n, sizes[0]) <= _MOST_GROUPINGS:
         rows = list(itertools.combinations(range(n), sizes[0]))
         members = np.zeros((len(rows), n), dtype=bool)
         np.put_along_axis(members, np.array(rows), True, axis=1)

@@ -15,9 +15,9 @@ from pawnb.gait.circular.mean import check_r
 from pawnb.gait.inference.checks import as_numbers
 
 _LARGE_KAPPA = 1e6
-_NEARLY_ONE = 1.0 - 1e-5
-_TINY = float(np.finfo(float).tiny)
-_BLOCK, _LEFT_OUT = 128, 1e-8
+_LONGEST_MEAN = 1.0 - 1e-5
+_LEAST_P = float(np.finfo(float).tiny)
+_POINTS_AT_FIRST, _LEFT_OUT = 128, 1e-8
 """Points of an integral at first, and the share of it at which its end is left out."""
 
 
@@ -58,7 +58,7 @@ def rayleigh_p(n: int, r: float, *, method: str = "exact") -> float:
     if method == "zar":
         total = n * r
         root = math.sqrt(1.0 + 4.0 * n + 4.0 * (n**2 - total**2))
-        return min(1.0, max(math.exp(root - (1.0 + 2.0 * n)), _TINY))
+        return min(1.0, max(math.exp(root - (1.0 + 2.0 * n)), _LEAST_P))
     return _rayleigh_exact(int(n), float(n * r))
 
 
@@ -109,10 +109,10 @@ def resultant_p(lengths: FloatArray, total: float) -> float:
     if n == 2:  # the law of cosines; the integral converges too slowly
         a, b = lengths
         cosine = (total**2 - a**2 - b**2) / (2.0 * a * b)
-        return max(math.acos(float(np.clip(cosine, -1.0, 1.0))) / math.pi, _TINY)
-    if r > _NEARLY_ONE:  # p goes as (1 - r)^((n - 1) / 2)
-        shrink = (max(1.0 - r, 0.0) / (1.0 - _NEARLY_ONE)) ** ((n - 1) / 2.0)
-        return max(_resultant_integral(lengths, _NEARLY_ONE * whole) * shrink, _TINY)
+        return max(math.acos(float(np.clip(cosine, -1.0, 1.0))) / math.pi, _LEAST_P)
+    if r > _LONGEST_MEAN:  # p goes as (1 - r)^((n - 1) / 2)
+        shrink = (max(1.0 - r, 0.0) / (1.0 - _LONGEST_MEAN)) ** ((n - 1) / 2.0)
+        return max(_resultant_integral(lengths, _LONGEST_MEAN * whole) * shrink, _LEAST_P)
     return _resultant_integral(lengths, total)
 
 
@@ -133,7 +133,7 @@ def _resultant_integral(lengths: FloatArray, total: float) -> float:
     # beyond the peak the integrand falls at least as (height / u)^((n + 1) / 2)
     reach = height * min(1000.0, 10.0 ** (60.0 / (n + 1))) + 12.0 * width
     count, both_sides = math.ceil(reach / step), 0.0
-    first, beyond = 0, _BLOCK
+    first, beyond = 0, _POINTS_AT_FIRST
     while first < count:
         t = step * np.arange(first, min(beyond, count)) + 1j * height
         # logarithms with the growth of both factors taken out: ive and hankel1e are scaled
@@ -148,7 +148,7 @@ def _resultant_integral(lengths: FloatArray, total: float) -> float:
         if abs(values[-1]) * t[-1].real < _LEFT_OUT * step * abs(both_sides):
             break
         first, beyond = beyond, 4 * beyond
-    return float(np.clip(-total / 2.0 * step * both_sides, _TINY, 1.0))
+    return float(np.clip(-total / 2.0 * step * both_sides, _LEAST_P, 1.0))
 
 
 def length_of_kappa(kappa: FloatArray | float) -> FloatArray:

@@ -31,7 +31,7 @@ from pawnb.gait.inference.circular_sample import (
     phase_standard_error,
 )
 
-_STEPS = 10**12
+_PHASE_STEPS = 10**12
 """Steps of a cycle in which phases are compared where rounding would matter."""
 _MOST_EXACT = 50
 
@@ -204,11 +204,13 @@ def hodges_ajne_test(
     sample, n_animals = animal_sample(phases, animals)
     n = len(sample)
     # in whole steps of a small angle, so that opposite phases are exactly opposite
-    steps = np.sort(np.mod(np.rint(np.mod(sample, 1.0) * _STEPS).astype(np.int64), _STEPS))
-    turns = np.concatenate((steps, steps + _STEPS))
+    steps = np.sort(
+        np.mod(np.rint(np.mod(sample, 1.0) * _PHASE_STEPS).astype(np.int64), _PHASE_STEPS)
+    )
+    turns = np.concatenate((steps, steps + _PHASE_STEPS))
     # half circles that begin just at, and just after, each phase
-    at = np.searchsorted(turns, steps + _STEPS // 2) - np.searchsorted(turns, steps)
-    after = np.searchsorted(turns, steps + _STEPS // 2, side="right") - np.searchsorted(
+    at = np.searchsorted(turns, steps + _PHASE_STEPS // 2) - np.searchsorted(turns, steps)
+    after = np.searchsorted(turns, steps + _PHASE_STEPS // 2, side="right") - np.searchsorted(
         turns, steps, side="right"
     )
     m = int(min(at.min(), after.min(), n - at.max(), n - after.max()))

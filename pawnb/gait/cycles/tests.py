@@ -17,6 +17,7 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
+from pawnb.gait.inference.leg_permutation import PERMUTATION_ROUNDING
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.gait.inference.permutations import bound_note
 from pawnb.schema import check_columns
@@ -25,10 +26,9 @@ CLUSTER_COLUMNS = (
     "leg", "group_a", "group_b", "cluster", "start_percent", "stop_percent", "mean_difference",
     "mass", "p", "p_adjusted", "n_animals_a", "n_animals_b", "method", "signal", "unit", "note",
 )  # fmt: skip
-_WHOLE = 100.0
-_MOST_ARRANGEMENTS = 10_000
-_ROUNDING = 1e-9
-_AT_ONCE = 500
+_WHOLE_CYCLE = 100.0
+_MOST_FLIPS = 10_000
+_CURVES_AT_ONCE = 500
 
 
 class _Curves(NamedTuple):
@@ -126,7 +126,7 @@ def compare_cycles(
 
 def _mean_curves(cycles: pd.DataFrame, *, group: str, value: str) -> pd.DataFrame:
     """Return the mean curve of each animal in each group: columns are legs and percents."""
-    own = cycles[(cycles["percent"] < _WHOLE) & cycles[group].notna()]
+    own = cycles[(cycles["percent"] < _WHOLE_CYCLE) & cycles[group].notna()]
     keys = ["animal", "trial", "leg", "stride"]
     broken = own[value].isna().groupby([own[key] for key in keys]).transform("any")
     known = own.assign(**{group: own[group].astype(str)})[~broken]
@@ -178,7 +178,9 @@ def _test(
     given = np.ones(n_a) if paired else np.arange(n_a + n_b) >= n_a
     t = statistic(joined, given[None].astype(float))[0]
     rows_of, method = _arrangements(n_a, n_b, paired=paired, count=n_permutations, seed=seed)
-    blocks = (rows_of[done : done + _AT_ONCE] for done in range(0, len(rows_of), _AT_ONCE))
+    blocks = (
+        rows_of[done : done + _CURVES_AT_ONCE] for done in range(0, len(rows_of), _CURVES_AT_ONCE)
+    )
     masses = np.concatenate([_heaviest(statistic(joined, block), limit) for block in blocks])
     smallest = _smallest_p(n_a, n_b, paired=paired, n=len(masses))
     note = "; ".join(filter(None, (curves.note, bound_note(smallest, _counted(n_a, n_b, paired)))))
@@ -189,7 +191,7 @@ def _test(
     for k, leg in enumerate(legs):
         for inside in _clusters(t[k], limit):
             mass = float(t[k][inside].sum())
-            p = float((masses >= abs(mass) * (1.0 - _ROUNDING)).mean())
+            p = float((masses >= abs(mass) * (1.0 - PERMUTATION_ROUNDING)).mean())
             rows.append({"leg": leg, "start_percent": percents[inside[0]],
                          "stop_percent": percents[inside[-1]], "mass": mass, "p": p,
                          "mean_difference": float(difference[k][inside].mean())})  # fmt: skip
@@ -218,7 +220,7 @@ def _paired_t(differences: FloatArray, signs: FloatArray) -> FloatArray:
     n = len(differences)
     mean = np.tensordot(signs, differences, axes=1) / n
     squares = (differences**2).sum(axis=0)
-    variance = np.maximum(squares - n * mean**2, _ROUNDING * squares) / (n - 1)
+    variance = np.maximum(squares - n * mean**2, PERMUTATION_ROUNDING * squares) / (n - 1)
     return _ratio(mean, variance / n)
 
 
@@ -230,7 +232,7 @@ def _two_sample_t(values: FloatArray, second: FloatArray) -> FloatArray:
     sum_b = np.tensordot(second, values, axes=1)
     mean_a, mean_b = -sum_b / n_a, sum_b / n_b
     squares = (values**2).sum(axis=0)
-    within = np.maximum(squares - n_a * mean_a**2 - n_b * mean_b**2, _ROUNDING * squares)
+    within = np.maximum(squares - n_a * mean_a**2 - n_b * mean_b**2, PERMUTATION_ROUNDING * squares)
     return _ratio(mean_b - mean_a, within / (len(values) - 2) * (1.0 / n_a + 1.0 / n_b))
 
 
@@ -281,7 +283,7 @@ def _arrangements(
     Signs of the animals' differences where they are paired, else 1 for who is in the second group.
     """
     number = 2**n_a if paired else math.comb(n_a + n_b, n_b)
-    if number <= _MOST_ARRANGEMENTS:
+    if number <= _MOST_FLIPS:
         said = f"all {number} arrangements"
         if paired:
             return np.array(list(itertools.product((1.0, -1.0), repeat=n_a))), said

@@ -24,7 +24,7 @@ from pawnb.gait.strides.stride_table import choose_stride_event
 HAND = "hand"
 """``method`` of events that a person moved or added."""
 
-_CLOSE_S = 1e-6
+_SAME_EVENT_S = 1e-6
 
 
 def own_events(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
@@ -42,7 +42,7 @@ def own_events(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
 def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent) -> Any:
     """Return the label of the row of an event."""
     own = own_events(events, edit)
-    near = (own["event"] == edit.event) & ((own["time_s"] - edit.time_s).abs() < _CLOSE_S)
+    near = (own["event"] == edit.event) & ((own["time_s"] - edit.time_s).abs() < _SAME_EVENT_S)
     if not near.any():
         raise InputError(
             f"trial {edit.trial!r}: {edit.leg} has no {edit.event} at {edit.time_s:.4f} s; the "
@@ -80,7 +80,7 @@ def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.Da
             f"trial {edit.trial!r}: {edit.leg} has no events {edit.event!r}; expected {known}."
         )
     same = own["event"].isin(_pair_of(edit.event)) & (
-        (own["time_s"] - edit.time_s).abs() < _CLOSE_S
+        (own["time_s"] - edit.time_s).abs() < _SAME_EVENT_S
     )
     begin, end = _recorded(tables, edit, events)
     if same.any() or not begin <= edit.time_s <= end:
@@ -218,13 +218,13 @@ def exclude_stride(
     trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
     start = choose_stride_event(trial, tables.settings.stride_events)
     times = own.loc[own["event"] == start, "time_s"].to_numpy(float)
-    at = np.flatnonzero(np.abs(times - edit.start_s) < _CLOSE_S)
+    at = np.flatnonzero(np.abs(times - edit.start_s) < _SAME_EVENT_S)
     if not len(at) or at[0] + 1 == len(times):
         raise InputError(
             f"trial {edit.trial!r}: no stride of {edit.leg} begins at {edit.start_s:.4f} s."
         )
     middle = float(times[at[0]] + times[at[0] + 1]) / 2.0
     row = (edit.animal, edit.trial, edit.leg, middle)
-    if any(row[:3] == other[:3] and abs(middle - other[3]) < _CLOSE_S for other in before):
+    if any(row[:3] == other[:3] and abs(middle - other[3]) < _SAME_EVENT_S for other in before):
         raise InputError(f"the stride of {edit.leg} at {edit.start_s:.4f} s is excluded already.")
     return (*row, f"excluded by hand: {edit.reason.strip()}")

@@ -7,7 +7,7 @@ from typing import TypeAlias
 
 from pawnb.io.journal import LineFormat, Step
 
-FILE_NAME = "event_edits.jsonl"
+EVENT_EDITS_FILE = "event_edits.jsonl"
 
 
 @dataclass(frozen=True, kw_only=True)

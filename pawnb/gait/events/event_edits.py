@@ -24,7 +24,7 @@ from pawnb.gait.events.event_edit_effects import (
 )
 from pawnb.gait.events.event_edit_records import (
     EVENT_EDIT_LINES,
-    FILE_NAME,
+    EVENT_EDITS_FILE,
     AddEvent,
     DeleteEvent,
     Entry,
@@ -35,8 +35,8 @@ from pawnb.gait.events.event_edit_records import (
 from pawnb.io.journal import Journal, enter_step, read_journal
 
 __all__ = [
-    "FILE_NAME", "HAND", "AddEvent", "DeleteEvent", "EventEdit", "EventEdits", "ExcludeStride",
-    "MoveEvent", "apply_event_edits", "read_event_edits", "replay_event_edits",
+    "EVENT_EDITS_FILE", "HAND", "AddEvent", "DeleteEvent", "EventEdit", "EventEdits",
+    "ExcludeStride", "MoveEvent", "apply_event_edits", "read_event_edits", "replay_event_edits",
 ]  # fmt: skip
 
 

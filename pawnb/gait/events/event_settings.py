@@ -10,21 +10,21 @@ from pawnb.errors import InputError
 
 _POSITIVE = (math.ulp(0.0), math.nextafter(math.inf, 0.0), "a number above 0")
 _NOT_NEGATIVE = (0.0, math.nextafter(math.inf, 0.0), "0 or more")
-_SHARE = (math.ulp(0.0), 1.0, "above 0 and at most 1")
+_SHARE_RANGE = (math.ulp(0.0), 1.0, "above 0 and at most 1")
 _LIMITS = {
     "cutoff_hz": _POSITIVE,
     "body_cutoff_hz": _POSITIVE,
     "max_gap_s": _NOT_NEGATIVE,
     "min_excursion": _POSITIVE,
-    "min_excursion_fraction": _SHARE,
+    "min_excursion_fraction": _SHARE_RANGE,
     "min_stance_s": _NOT_NEGATIVE,
     "min_swing_s": _NOT_NEGATIVE,
     "max_stride_s": _POSITIVE,
     "contact_speed_fraction": (math.ulp(0.0), 0.45, "above 0 and at most 0.45"),
-    "contact_height_fraction": _SHARE,
+    "contact_height_fraction": _SHARE_RANGE,
     "min_confidence": (0.0, 1.0, "0 to 1"),
-    "bout_start_fraction": _SHARE,
-    "bout_stop_fraction": _SHARE,
+    "bout_start_fraction": _SHARE_RANGE,
+    "bout_stop_fraction": _SHARE_RANGE,
     "jump_factor": (1.0, math.nextafter(math.inf, 0.0), "1 or more, or null to keep jumps"),
 }
 

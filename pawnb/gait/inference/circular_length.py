@@ -21,9 +21,9 @@ from pawnb.gait.circular.mean import check_r
 from pawnb.gait.circular.rayleigh import length_of_kappa, rayleigh_p
 from pawnb.gait.inference.checks import check_level
 
-_NEARLY_ONE = 1.0 - 1e-4
+_LONGEST_ESTIMATE = 1.0 - 1e-4
 _WIDEST = 1e9  # concentration at which 1 - r is nothing
-_MANY = 10_000  # phases, of which r is normally distributed
+_MANY_PHASES = 10_000  # phases, of which r is normally distributed
 
 BelowR = Callable[[float], tuple[float, float]]
 
@@ -63,9 +63,9 @@ def length_interval(r: float, n: int, *, level: float = 0.95) -> tuple[float, fl
     if n < 2:
         return math.nan, math.nan
     tail = (1.0 - level) / 2.0
-    if r > _NEARLY_ONE:
+    if r > _LONGEST_ESTIMATE:
         return _concentrated_interval(r, n, tail)
-    if n > _MANY:
+    if n > _MANY_PHASES:
         kappa = kappa_of_length(r)
         spread = (1.0 - r**2 - r / kappa) / n if r > 1e-6 else 0.5 / n
         half = float(norm.isf(tail)) * math.sqrt(spread)

@@ -12,9 +12,9 @@ import numpy as np
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.gait.inference.permutations import shuffle_in_blocks
 
-_MOST_ARRANGEMENTS = 20_000
-_ROUNDING = 1e-9
-_AT_ONCE = 20_000
+_MOST_LEG_ORDERS = 20_000
+PERMUTATION_ROUNDING = 1e-9
+_LEGS_AT_ONCE = 20_000
 
 
 class Block(NamedTuple):
@@ -104,11 +104,11 @@ def permute_legs(
         return between / np.maximum(error, 1e-24 * squares / counts.sum())
 
     given = np.stack([_leg_sums(b.legs[None, :], b.values, n_legs)[0] for b in blocks])
-    observed = float(f(given[None])[0]) * (1.0 - _ROUNDING)
+    observed = float(f(given[None])[0]) * (1.0 - PERMUTATION_ROUNDING)
     number = math.prod(_multinomial(b.legs) for b in blocks)
-    if number <= _MOST_ARRANGEMENTS:
+    if number <= _MOST_LEG_ORDERS:
         every = np.concatenate([f(sums) for sums in _all_sums(blocks, n_legs)])
-        least = float((every >= every.max() * (1.0 - _ROUNDING)).mean())
+        least = float((every >= every.max() * (1.0 - PERMUTATION_ROUNDING)).mean())
         return float((every >= observed).mean()), least, "all permutations"
     shuffles = [
         np.concatenate([
@@ -153,6 +153,6 @@ def _all_sums(blocks: list[Block], n_legs: int) -> Iterator[np.ndarray]:
         for b in blocks
     ]
     choices = itertools.product(*(range(len(sums)) for sums in each))
-    while chosen := list(itertools.islice(choices, _AT_ONCE)):
+    while chosen := list(itertools.islice(choices, _LEGS_AT_ONCE)):
         picked = np.array(chosen)
         yield np.stack([sums[picked[:, i]] for i, sums in enumerate(each)], axis=1)

@@ -18,7 +18,7 @@ from pawnb.arrays import FloatArray, IntArray
 
 # logarithms of variances over that of the residual
 _GRID = (-5.0, -1.5, 1.5)
-_NOTHING = -14.0
+_LOG_NO_VARIANCE = -14.0
 _MOST_STARTS = 243
 
 
@@ -157,8 +157,10 @@ class Blocks:
         start = grid[int(np.argmin([self.deviance(np.exp(one)) for one in grid]))]
         found = minimize(
             lambda logarithms: self.deviance(np.exp(logarithms)), start, method="Nelder-Mead",
-            bounds=[(_NOTHING, 14.0)] * parts,
+            bounds=[(_LOG_NO_VARIANCE, 14.0)] * parts,
             options={"xatol": 1e-4, "fatol": 1e-7, "maxfev": 2000 * parts},
         )  # fmt: skip
         variances = np.exp(np.asarray(found.x, dtype=float))
-        return np.where(variances < 2.0 * math.exp(_NOTHING), 0.0, variances), bool(found.success)
+        return np.where(variances < 2.0 * math.exp(_LOG_NO_VARIANCE), 0.0, variances), bool(
+            found.success
+        )

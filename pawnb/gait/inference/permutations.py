@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.arrays import IntArray
 
-_BLOCK = 4_000_000
+_BLOCK_OF_VALUES = 4_000_000
 """Numbers in one block of permutations: 32 MB."""
 
 
@@ -32,7 +32,7 @@ def shuffle_in_blocks(
         Permutations, a row each; the same whatever the size of the blocks.
     """
     rng = np.random.default_rng(seed)
-    rows = max(1, _BLOCK // max(len(items), 1))
+    rows = max(1, _BLOCK_OF_VALUES // max(len(items), 1))
     for done in range(0, count, rows):
         yield rng.permuted(np.tile(items, (min(rows, count - done), 1)), axis=1)
 

@@ -36,7 +36,7 @@ _BODY_CUTOFF_STRIDES = 3.0
 """Low-pass of points of the body, in stride frequencies: a body moves twice in a stride, what is
 faster is how well its points were tracked, and every foot would share it."""
 
-_METHODS = {
+_BODY_METHODS = {
     "laboratory": "laboratory",
     "points": "other points",
     "feet": "mean of the feet",
@@ -254,7 +254,10 @@ def _frame(given: _Given, scales: Scales, *, stride_hz: float) -> BodyFrame:
     else:
         path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
     return body_frame_of_path(
-        path, given.direction, at_rest=chosen.source == "laboratory", method=_METHODS[chosen.source]
+        path,
+        given.direction,
+        at_rest=chosen.source == "laboratory",
+        method=_BODY_METHODS[chosen.source],
     )
 
 

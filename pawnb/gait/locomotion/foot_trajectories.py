@@ -11,7 +11,7 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks
 
-_USED = ("position", "confidence", "image_position", "image_confidence")
+_USED_VARIABLES = ("position", "confidence", "image_position", "image_confidence")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,7 +90,7 @@ def get_foot_paths(
     who = [str(i) for i in tracks["individual"].values]
     if individual is not None and individual not in who:
         raise InputError(f"no individual {individual!r}; the tracks have {', '.join(who)}.")
-    used = [name for name in _USED if name in tracks]
+    used = [name for name in _USED_VARIABLES if name in tracks]
     one = tracks[used].isel(individual=who.index(individual) if individual else 0)
     spaces: dict[str, tuple[str, list[str], list[np.ndarray]]] = {}
     for leg, point in legs.items():

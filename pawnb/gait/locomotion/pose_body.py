@@ -14,7 +14,7 @@ from pawnb.gait.locomotion.body import BodyPoints
 from pawnb.gait.locomotion.foot_trajectories import FootPaths, get_foot_paths
 from pawnb.schema import Tracks, check_tracks
 
-BODY, ROOT = "body", "BC"
+BODY_POINTS, ROOT = "body", "BC"
 """Names of the point at the body's origin, and of the joint that a leg turns about."""
 
 
@@ -54,7 +54,7 @@ def leg_angles(tracks: Tracks, *, individual: str | None = None) -> pd.DataFrame
     posed = pose_body(tracks, feet[0], individual=who) if feet else None
     if posed is None or posed[1].angle_deg is None:
         raise InputError(
-            f"these tracks hold no pose: leg angles need a heading, the point {BODY!r} and "
+            f"these tracks hold no pose: leg angles need a heading, the point {BODY_POINTS!r} and "
             f"body-coxa joints such as L1.{ROOT}."
         )
     frame, time = tracks["frame"].to_numpy(), tracks["time"].to_numpy()
@@ -97,9 +97,9 @@ def pose_body(
     """
     points = [str(point) for point in dense["keypoint"].to_numpy()]
     roots = {leg: f"{leg}.{ROOT}" for leg in feet.legs}
-    if "heading" not in dense or not {BODY, *roots.values()} <= set(points):
+    if "heading" not in dense or not {BODY_POINTS, *roots.values()} <= set(points):
         return None
-    body = _in_space(dense, {BODY: BODY}, feet.source, individual)
+    body = _in_space(dense, {BODY_POINTS: BODY_POINTS}, feet.source, individual)
     root = _in_space(dense, roots, feet.source, individual)
     if body is None or root is None:
         return None
@@ -110,13 +110,13 @@ def pose_body(
     ahead_of = front
     if body.shape[1] == 3:
         # angles are those seen in the view of the pose, as with one view
-        seen = _in_picture(dense, {BODY: BODY, **roots}, individual)
+        seen = _in_picture(dense, {BODY_POINTS: BODY_POINTS, **roots}, individual)
         ahead_of = _forward_in_space(seen, np.concatenate([body, root], axis=-1), front)
         body, root = seen[:, :, :1], seen[:, :, 1:]
         tips = _in_picture(dense, {leg: leg for leg in feet.legs}, individual)
     ahead = BodyPoints(
         points=np.stack([origin, origin + ahead_of], axis=-1),
-        names=(BODY, "heading"),
+        names=(BODY_POINTS, "heading"),
         guessed=False,
     )
     # y is down: to the right of the heading the cross product is positive

@@ -14,7 +14,12 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.circular.mean import circular_sd, mean_vector
 from pawnb.gait.legs import find_leg_place, sort_legs
 
-CONTRALATERAL, IPSILATERAL, DIAGONAL, OTHER = "contralateral", "ipsilateral", "diagonal", "other"
+CONTRALATERAL, IPSILATERAL, DIAGONAL, OTHER_COUPLING = (
+    "contralateral",
+    "ipsilateral",
+    "diagonal",
+    "other",
+)
 
 ALTERNATION_COLUMNS = ("animal", "leg", "reference", "n_strides", "mean", "r", "from_half")
 SUPPORT_RULE_COLUMNS = ("animal", "leg", "behind", "n_protractions", "n_obeyed", "share")
@@ -38,7 +43,7 @@ def kind_of_pair(leg: str, reference: str) -> str:
     """
     a, b = find_leg_place(leg), find_leg_place(reference)
     if a is None or b is None:
-        return OTHER
+        return OTHER_COUPLING
     # a mouse's hind leg has rank 3 as an insect's has, and no leg between it and the front
     apart = abs(a.rank - b.rank)
     step = 2 if leg[0] in "FH" and reference[0] in "FH" else 1
@@ -46,7 +51,7 @@ def kind_of_pair(leg: str, reference: str) -> str:
         return CONTRALATERAL
     if apart == step:
         return IPSILATERAL if a.side == b.side else DIAGONAL
-    return OTHER
+    return OTHER_COUPLING
 
 
 def alternation_rule(phases: pd.DataFrame) -> pd.DataFrame:
@@ -173,7 +178,7 @@ def coupling_strength(phases: pd.DataFrame) -> pd.DataFrame:
     )
     rows = []
     for (animal, kind), own in named.groupby(["animal", "kind"], sort=True):
-        if kind == OTHER:
+        if kind == OTHER_COUPLING:
             continue
         vectors = [
             mean_vector(part["phase"].to_numpy(dtype=float))

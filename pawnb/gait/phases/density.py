@@ -24,7 +24,7 @@ DENSITY_COLUMNS = (
     "leg_x", "reference_x", "leg_y", "reference_y", "phase_x", "phase_y", "density", "n_animals",
     "n_samples",
 )  # fmt: skip
-_FEWEST = 8
+_FEWEST_BINS = 8
 _MOST_HARMONICS = 24
 """Of the density of phases; fewer where a stride has so few samples that they would be aliases. Set
 by hand: a foot that stands for 0.75 of the stride needs about 10."""
@@ -124,9 +124,9 @@ def phase_density(
     kinds = sorted({f"{one.signal} ({one.unit})" for one in signals})
     if len(kinds) != 1:
         raise InputError(f"phase density: signals are {kinds}; expected those of one kind.")
-    if bins < _FEWEST or not 0.0 < bandwidth_cycles < 0.5:
+    if bins < _FEWEST_BINS or not 0.0 < bandwidth_cycles < 0.5:
         raise InputError(
-            f"bins is {bins}, bandwidth_cycles {bandwidth_cycles}; expected {_FEWEST} bins or "
+            f"bins is {bins}, bandwidth_cycles {bandwidth_cycles}; expected {_FEWEST_BINS} bins or "
             "more, and a bandwidth between 0 and 0.5."
         )
     legs = list(dict.fromkeys(leg for one in signals for leg in one.legs))

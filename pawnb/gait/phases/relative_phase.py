@@ -13,7 +13,7 @@ from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.signals import find_runs
 
-_SHORTEST = 8
+_SHORTEST_SERIES = 8
 _LARGEST = 1e150  # whose square is finite
 
 
@@ -63,7 +63,7 @@ def phase_angle(x: FloatArray) -> FloatArray:
     out = np.full(len(x), np.nan)
     for start, stop in find_runs(np.abs(x) < _LARGEST):
         run = x[start:stop]
-        if len(run) < _SHORTEST or not np.ptp(run) > 0:
+        if len(run) < _SHORTEST_SERIES or not np.ptp(run) > 0:
             continue
         centred = run - (run.max() + run.min()) / 2.0
         # mirrored at both ends: the transform takes the signal to be periodic

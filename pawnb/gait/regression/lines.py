@@ -44,7 +44,7 @@ __all__ = [
 
 LEAST_POINTS = 3
 
-_ROUNDING = 1e-9
+_EQUAL_SHARE = 1e-9
 """Values that differ by less than this share of their size are equal."""
 
 
@@ -374,7 +374,7 @@ def _points(
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     # what differs by rounding only is equal: a belt of one speed
-    if len(x) < LEAST_POINTS or np.ptp(x) <= _ROUNDING * np.abs(x).max():
+    if len(x) < LEAST_POINTS or np.ptp(x) <= _EQUAL_SHARE * np.abs(x).max():
         found = f"{len(x)} points" if len(x) < LEAST_POINTS else "all x are equal"
         raise InputError(
             f"regression: {found}; expected at least {LEAST_POINTS} points with different x."

@@ -8,7 +8,7 @@ generalised cross-validation and the autocorrelation of residuals. All of it is 
 from pawnb import _lazy
 from pawnb.gait.residuals.cutoffs import (
     CUTOFF_COLUMNS,
-    METHODS,
+    CUTOFF_METHODS,
     POOLED,
     compare_cutoffs,
     named_signals,
@@ -24,8 +24,8 @@ from pawnb.gait.residuals.residual_analysis import (
 __all__ = [
     "CURVE_COLUMNS",
     "CUTOFF_COLUMNS",
+    "CUTOFF_METHODS",
     "ESTIMATE_WARNING",
-    "METHODS",
     "POOLED",
     "ResidualAnalysis",
     "analyse_residuals",

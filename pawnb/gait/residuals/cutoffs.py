@@ -30,7 +30,7 @@ from pawnb.gait.residuals.residual_analysis import (
     say_instead,
 )
 
-METHODS = ("residual", "gcv", "autocorrelation")
+CUTOFF_METHODS = ("residual", "gcv", "autocorrelation")
 CUTOFF_COLUMNS = (
     "signal", "method", "cutoff_hz", "residual_rms", "noise_rms", "n_samples", "reason", "warning",
 )  # fmt: skip
@@ -88,7 +88,7 @@ def compare_cutoffs(
         runs = find_long_runs(values)
         n = sum(run.size for run in runs)
         found = _choose_all(runs, fs_hz=fs_hz, order=order, band_hz=band_hz)
-        for method in METHODS:
+        for method in CUTOFF_METHODS:
             choice, left = _kept(found[method], runs, fs_hz=fs_hz, order=order)
             given = (choice.cutoff_hz, left, choice.noise_rms, n, choice.reason)
             rows.append((name, method, *given, ESTIMATE_WARNING))
@@ -125,7 +125,7 @@ def _choose_all(
     """Return the choice of every method."""
     if not runs:
         none = f"{NO_CUTOFF}no run of {LEAST_SAMPLES} samples without a gap"
-        return dict.fromkeys(METHODS, Choice(math.nan, math.nan, none))
+        return dict.fromkeys(CUTOFF_METHODS, Choice(math.nan, math.nan, none))
     validated = cross_validate(runs, fs_hz=fs_hz, order=order)
     found = analyse_runs(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=validated)
     return {

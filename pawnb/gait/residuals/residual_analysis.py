@@ -37,7 +37,7 @@ ESTIMATE_WARNING = (
 """What goes with every automatic choice."""
 
 CURVE_COLUMNS = ("cutoff_hz", "residual", "noise_line", "in_band")
-_STEPS = 101
+_CUTOFF_STEPS = 101
 _ALL_NOISE = 0.95
 DOUBT = 2.0
 """How many times the noise of cross-validation, or of the band's other half, is too much."""
@@ -252,7 +252,7 @@ def residual_cutoffs(fs_hz: float, *, order: int = 4) -> FloatArray:
     """
     check_rate(fs_hz)
     highest = two_pass_correction(order) * fs_hz / 2.0
-    return np.linspace(fs_hz / 200.0, highest, _STEPS, endpoint=False)
+    return np.linspace(fs_hz / 200.0, highest, _CUTOFF_STEPS, endpoint=False)
 
 
 def _read_off(

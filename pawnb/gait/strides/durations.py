@@ -20,16 +20,16 @@ from pawnb.errors import InputError
 from pawnb.gait.inference.leg_permutation import Block, mean_squares, permute_legs
 from pawnb.gait.inference.permutations import bound_note
 from pawnb.gait.legs import sort_legs
+from pawnb.gait.strides.stride_table import TRIAL_KEYS
 from pawnb.schema import check_columns
 
 DURATION_COLUMNS = (
     "animal", "trial", "n_legs", "n_strides", "period_s", "f", "p", "longest", "shortest",
     "n_animals", "method",
 )  # fmt: skip
-METHODS = ("auto", "permutation", "greenhouse-geisser")
+DURATION_METHODS = ("auto", "permutation", "greenhouse-geisser")
 FEWEST_FOR_F = 6
 """From so many animals on, p is that of Greenhouse and Geisser's F by default."""
-_KEYS = ["animal", "trial"]
 
 
 class LegDifference(NamedTuple):
@@ -118,8 +118,8 @@ def compare_legs(
         If a column is missing, no animal has all legs, or the method is unknown.
     """
     check_columns(strides, ["animal", "leg", measure], where="comparison of legs")
-    if method not in METHODS:
-        raise InputError(f"method is {method!r}; expected one of {METHODS}.")
+    if method not in DURATION_METHODS:
+        raise InputError(f"method is {method!r}; expected one of {DURATION_METHODS}.")
     known = strides.dropna(subset=[measure]).astype({"animal": str, "leg": str})
     means = known.pivot_table(index="animal", columns="leg", values=measure, aggfunc="mean")
     whole = means.dropna()
@@ -210,7 +210,7 @@ def stride_duration_by_leg(
     if method not in ("auto", "permutation", "f"):
         raise InputError(f"method is {method!r}; expected 'auto', 'permutation' or 'f'.")
     rows = []
-    for (animal, trial), own in strides.groupby(_KEYS, sort=False):
+    for (animal, trial), own in strides.groupby(TRIAL_KEYS, sort=False):
         legs = {str(leg): part["period_s"].to_numpy(float) for leg, part in own.groupby("leg")}
         usable = {leg: period for leg, period in legs.items() if len(period) > 1}
         means = {leg: period.mean() for leg, period in legs.items()}

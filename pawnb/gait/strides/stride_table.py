@@ -29,6 +29,8 @@ body frame along forward. ``contact_s``, ``contact_duty_factor``: from touch-dow
 lift-off where the stride is counted from AEP and contact is known.
 """
 
+TRIAL_KEYS = ["animal", "trial"]
+"""Columns that name one recording in every table of gait."""
 PARTNER = {"AEP": "PEP", "TD": "LO"}
 """The event that ends the stance which each event begins."""
 

@@ -14,10 +14,10 @@ SYMMETRY_COLUMNS = (
     "animal", "pair", "left", "right", "measure", "n_left", "n_right", "left_mean", "right_mean",
     "symmetry_index", "ratio",
 )  # fmt: skip
-MEASURES = ("stance_s", "swing_s", "duty_factor", "stride_length", "step_displacement")
+SYMMETRIC = ("stance_s", "swing_s", "duty_factor", "stride_length", "step_displacement")
 
 
-def symmetry_table(strides: pd.DataFrame, *, measures: Sequence[str] = MEASURES) -> pd.DataFrame:
+def symmetry_table(strides: pd.DataFrame, *, measures: Sequence[str] = SYMMETRIC) -> pd.DataFrame:
     """Compare the left with the right leg of each pair, animal by animal.
 
     Parameters

@@ -33,7 +33,7 @@ from pawnb.workflow.provenance.results import RESULT_FILES, results_folder
 from pawnb.workflow.reviewing.quality import QUALITY_FILE, read_verdict
 from pawnb.workflow.tracking.methods import settings_in_force, trial_tracker
 
-_WAIT_S = 0.05
+_POLL_S = 0.05
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ def _work(
                 job.status, job.said, job.verdict = answer
                 tell(_line(job, len(jobs)))
             if running or waiting:
-                places.wait(_WAIT_S)
+                places.wait(_POLL_S)
 
 
 def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:

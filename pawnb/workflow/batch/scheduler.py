@@ -20,11 +20,11 @@ from pawnb.workflow.batch.places import TrialOutcome, WorkerProcess
 
 _CONNECT_S = 10.0
 """So long a scheduler may be silent, at the beginning and in between, before it is gone."""
-_LOOK_S = 0.5
+_SCHEDULER_POLL_S = 0.5
 """How often a worker looks whether its process is to stop."""
 _COUNT_S = 1.0
 """How often workers are counted: to ask takes longer than to hand out a trial."""
-_AHEAD = 64
+_TRIALS_AHEAD = 64
 """So many trials wait for a worker at most, for each to find the next one at once. They are handed
 out and answered for many together: a message costs the scheduler more than what it says. Measured:
 10,000 trials, processor time a trial, :doc:`/accuracy`."""
@@ -88,7 +88,7 @@ class Scheduler:
             self._counted_at = time.monotonic()
         wait = len(self._running) + len(self._orders) - self._threads
         # half of them are used up before more are handed out, then all at once
-        return wait < (_AHEAD if self._orders else _AHEAD // 2)
+        return wait < (_TRIALS_AHEAD if self._orders else _TRIALS_AHEAD // 2)
 
     def begin(self, number: int, order: Mapping[str, Any]) -> None:
         """Order a trial of a worker; its paths become absolute."""
@@ -196,7 +196,7 @@ def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str,
     process = WorkerProcess(order)
     try:
         while (answer := process.answer()) is None:
-            process.wait(_LOOK_S)
+            process.wait(_SCHEDULER_POLL_S)
             if stop.is_set():
                 process.ask_to_stop()
     except BaseException:

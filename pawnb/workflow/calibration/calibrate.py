@@ -17,7 +17,7 @@ from pawnb.io.coefs import write_coefs
 from pawnb.io.tables import read_cells, read_column_names, read_numbers
 
 POINTS_COLUMNS = ("point", "x", "y", "z")
-_NUMBER = re.compile(r"[-+.\deE]+|nan", re.IGNORECASE)
+_NUMBER_IN_FILE = re.compile(r"[-+.\deE]+|nan", re.IGNORECASE)
 CLICKS_COLUMNS = ("view", "point", "u", "v")
 
 
@@ -122,7 +122,7 @@ def is_points(path: str | Path) -> bool:
     if Path(path).suffix.lower() != ".csv":
         return False
     names = read_column_names(path, expected="a csv of known points, or a calibration")
-    return any(name and not _NUMBER.fullmatch(name) for name in names)
+    return any(name and not _NUMBER_IN_FILE.fullmatch(name) for name in names)
 
 
 def _read(path: str | Path, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:

@@ -13,7 +13,7 @@ from pawnb.io.tables import write_text
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.calibration.written import Written
 
-_WAIT_S = 5.0
+WAIT_FOR_TRIAL_S = 5.0
 
 
 def name_calibration(trial: Trial, written: Written) -> Trial:
@@ -49,7 +49,7 @@ def name_calibration(trial: Trial, written: Written) -> Trial:
     if written.lenses is not None:
         fields["lens"] = written.lenses.name
     path = trial.path("trial.toml")
-    with locked(path, remedy="press again in a moment", wait_s=_WAIT_S):
+    with locked(path, remedy="press again in a moment", wait_s=WAIT_FOR_TRIAL_S):
         _put(path, fields)
     return load_trial(path)
 

@@ -12,10 +12,8 @@ from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Calibration, Trial, load_trial
-from pawnb.workflow.calibration.name_in_trial import with_field
+from pawnb.workflow.calibration.name_in_trial import WAIT_FOR_TRIAL_S, with_field
 from pawnb.workflow.start.propose_pose import trial_background
-
-_WAIT_S = 5.0
 
 
 def find_grid_scale(trial: Trial | str | Path, *, spacing: float) -> PxPerUnit:
@@ -83,7 +81,7 @@ def write_scale(trial: Trial, px_per_unit: float) -> Trial:
             f"{path}: no such file; write px_per_unit = {value:g} under [calibration] of the "
             "trial's file."
         )
-    with locked(path, remedy="press again in a moment", wait_s=_WAIT_S):
+    with locked(path, remedy="press again in a moment", wait_s=WAIT_FOR_TRIAL_S):
         _put_scale(path, value, calibration)
     return dataclasses.replace(
         trial, calibration=dataclasses.replace(calibration, px_per_unit=value)

@@ -42,7 +42,7 @@ _ZAR_27_7 = (
     np.array([94, 65, 45, 52, 38, 47, 73, 82, 90, 40, 87]) / 360.0,
     np.array([77, 70, 61, 45, 50, 35, 48, 65, 36]) / 360.0,
 )
-_VIEWS = np.array(
+_TWO_CAMERAS = np.array(
     [
         [10.0, 0.2, -1.0, 500.0, 0.1, 9.0, -2.0, 400.0, 0.001, 0.0005, 0.002],
         [8.0, -3.0, 1.0, 450.0, 0.5, 2.0, -9.0, 420.0, -0.001, 0.002, 0.0003],
@@ -69,7 +69,7 @@ def _second_derivative() -> float:
 def _triangulated() -> float:
     """Return how far a point lies, once projected into two views and triangulated, from itself."""
     xyz = np.array([[12.0, -7.0, 3.5]])
-    return float(np.abs(triangulate(_VIEWS, project(_VIEWS, xyz)).xyz - xyz).max())
+    return float(np.abs(triangulate(_TWO_CAMERAS, project(_TWO_CAMERAS, xyz)).xyz - xyz).max())
 
 
 REFERENCE_VALUES = (

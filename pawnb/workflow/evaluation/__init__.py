@@ -15,7 +15,7 @@ _HOME = {
     "ErrorReport": "pawnb.workflow.evaluation.errors",
     "HIDDEN_PX": "pawnb.workflow.evaluation.errors",
     "RECOVERY_FRAMES": "pawnb.workflow.evaluation.errors",
-    "REFERENCE_WIDTH_PX": "pawnb.workflow.evaluation.errors",
+    "REFERENCE_WIDTH_PX": "pawnb.core.paws.maghsoudi2019.settings",
     "SETTLED_FRAMES": "pawnb.workflow.evaluation.errors",
     "THRESHOLD_PX": "pawnb.workflow.evaluation.errors",
     "TRUTH_COLUMNS": "pawnb.workflow.evaluation.errors",

@@ -10,6 +10,7 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.pose.as_tracks import animal_of, is_pose, poses_of
 from pawnb.core.pose.pose_table import pose_names, poses_from_table
 from pawnb.errors import InputError
@@ -17,7 +18,7 @@ from pawnb.io.native import read_tracks, tracks_table
 from pawnb.io.pose import read_pose
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import TRACKS_COLUMNS, Tracks
-from pawnb.workflow.evaluation.errors import REFERENCE_WIDTH_PX, count_errors, limits_for_width
+from pawnb.workflow.evaluation.errors import count_errors, limits_for_width
 from pawnb.workflow.evaluation.pose_errors import measure_pose_errors
 
 

@@ -38,10 +38,10 @@ from pawnb.workflow.gait.drawing.save_figures import save_figure
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.record import build_step, file_checksum
 from pawnb.workflow.provenance.results import make_folder
-from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.methods import PAW_METHODS
 from pawnb.workflow.tracking.track import retrack, track
 
-TRUTH = Path("truth") / PointTruth.file
+POINT_TRUTH = Path("truth") / PointTruth.file
 
 COMPARISON_COLUMNS = (
     "trial", "method", "n_frames", "time_s_per_1000", "major_per_1000", "minor_per_1000",
@@ -50,7 +50,7 @@ COMPARISON_COLUMNS = (
 )  # fmt: skip
 SUMMARY_COLUMNS = ("method", "n_trials", "n_frames", "measure", "mean", "sd", "count", "limit")
 REPROJECTION_COLUMNS = ("trial", "method", "view", "point", "kind", "n", "mean_px", "sd_px")
-_WORDS = {"trial": str, "method": str, "view": str, "point": str, "kind": str}
+_COLUMN_TYPES = {"trial": str, "method": str, "view": str, "point": str, "kind": str}
 _MEASURES = ("time_s_per_1000", "major_per_1000", "minor_per_1000",
              "major_alone_per_1000", "minor_alone_per_1000")  # fmt: skip
 
@@ -109,7 +109,7 @@ class MethodComparison:
 def compare_methods(
     trials: Sequence[Trial | str | Path],
     *,
-    methods: Sequence[str] = METHODS,
+    methods: Sequence[str] = PAW_METHODS,
     settings: Mapping[str, Any] | None = None,
     frames: tuple[int, int] | None = None,
     corrections: bool = True,
@@ -153,13 +153,13 @@ def compare_methods(
         If a trial has no truth or two have the same name, or a method is unknown.
     """
     opened, own_settings = open_compared(
-        trials, "paws", methods=methods, settings=settings, truth=TRUTH,
+        trials, "paws", methods=methods, settings=settings, truth=POINT_TRUTH,
         or_else="; expected kind 'paws', or every trial of kind 'pose'.",
     )  # fmt: skip
     rows, errors = [], []
     samples: dict[tuple[str, str, str, str, str], np.ndarray] = {}
     for trial in opened:
-        truth = pd.read_csv(trial.folder / TRUTH)
+        truth = pd.read_csv(trial.folder / POINT_TRUTH)
         limits = _limits(trial)
         for method in methods:
             row, tracks = _run(
@@ -317,7 +317,7 @@ def draw_comparison(
         What the recipe calls each table, to the table; default folder and name.
     """
     named = labels or {label: path for path, label in label_inputs(tables).items()}
-    trials, errors = (pd.read_csv(path, dtype=_WORDS) for path in tables)
+    trials, errors = (pd.read_csv(path, dtype=_COLUMN_TYPES) for path in tables)
     drawn = figures.build_compare_methods_table(trials, errors)
     step = build_step(
         "compare",

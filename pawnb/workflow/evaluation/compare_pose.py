@@ -19,7 +19,7 @@ from pawnb.workflow.provenance.results import make_folder
 from pawnb.workflow.tracking.methods import POSE_METHODS
 from pawnb.workflow.tracking.track import track
 
-TRUTH = Path("truth") / PoseTruth.file
+POSE_TRUTH = Path("truth") / PoseTruth.file
 POSE_COMPARISON_COLUMNS = ("trial", "method", "measure", "value", "unit")
 POSE_SUMMARY_COLUMNS = ("method", "measure", "unit", "n_trials", "mean", "sd")
 _TIME = "time"
@@ -94,7 +94,7 @@ def compare_pose_methods(
         unknown.
     """
     opened, own_settings = open_compared(
-        trials, "pose", methods=methods, settings=settings, truth=TRUTH,
+        trials, "pose", methods=methods, settings=settings, truth=POSE_TRUTH,
         or_else=", others are of kind 'pose'; compare trials of one kind.",
     )  # fmt: skip
     truth = PoseTruth()
@@ -107,7 +107,7 @@ def compare_pose_methods(
                 progress=progress,
             )  # fmt: skip
             took = (time.perf_counter() - begun) / tracks.sizes["time"]
-            found = truth.measure(tracks, trial.folder / TRUTH).tables["summary"]
+            found = truth.measure(tracks, trial.folder / POSE_TRUTH).tables["summary"]
             own = [tuple(row) for row in found[["measure", "value", "unit"]].to_numpy().tolist()]
             own.append((_TIME, took, "s a frame"))
             rows += [(trial.name, method, *row) for row in own]

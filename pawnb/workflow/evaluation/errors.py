@@ -38,14 +38,13 @@ import numpy as np
 import pandas as pd
 from scipy.stats import chi2
 
+from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_columns, check_tracks
 
 TRUTH_COLUMNS = ("frame", "view", "point", "u", "v")
 ERROR_COLUMNS = ("point", "first_frame", "last_frame", "kind")
 
-REFERENCE_WIDTH_PX = 2048
-"""Width of the paper's pictures, for which the limits in px are given."""
 
 THRESHOLD_PX = 20.0
 """About half the length of a hind paw in the paper's pictures."""

@@ -26,9 +26,9 @@ _RADIUS_PX, _TEXT_PX = (3, 7), (10, 14)
 """Of rings and of names, in a small picture and in a large one."""
 _LARGE_PX = 700
 """Width of a picture that is large."""
-_BESIDE = ((9, -20), (9, 6), (-9, -20), (-9, 6), (14, -36), (-14, 22))
+_NAME_PLACES = ((9, -20), (9, 6), (-9, -20), (-9, 6), (14, -36), (-14, 22))
 """Where a name stands beside its point in a large picture, px: the first place that is free."""
-_DARK = 0.2
+_DARK_SHARE = 0.2
 """Relative luminance below which a mark has a white rim."""
 
 
@@ -168,7 +168,7 @@ def write_beside(image: np.ndarray, names: Sequence[tuple[str, np.ndarray, Colou
     for text, at, colour in names:
         left, top, right, bottom = font.getbbox(text, stroke_width=1)
         places = []
-        for du, dv in np.array(_BESIDE) * (radius / _RADIUS_PX[1]):
+        for du, dv in np.array(_NAME_PLACES) * (radius / _RADIUS_PX[1]):
             u = at[0] + du if du > 0 else at[0] + du - right
             places.append(np.array([u + left, at[1] + dv + top, u + right, at[1] + dv + bottom]))
         free = [place for place in places if not any(_overlap(place, other) for other in taken)]
@@ -250,7 +250,7 @@ def _fixed(at: np.ndarray) -> tuple[int, int]:
 def _rim(colour: Colour) -> Colour:
     """Return white around dark colours and black around light ones."""
     red, green, blue = ((part / 255) ** 2.2 for part in colour)
-    dark = 0.2126 * red + 0.7152 * green + 0.0722 * blue < _DARK
+    dark = 0.2126 * red + 0.7152 * green + 0.0722 * blue < _DARK_SHARE
     return (255, 255, 255) if dark else (0, 0, 0)
 
 

@@ -17,7 +17,7 @@ from pawnb.workflow.export.marks import TRAIL, Marks
 from pawnb.workflow.export.tiles import Tiles, best_columns
 
 _FRAMES = 12
-_GAP_PX = 10
+_SHEET_GAP_PX = 10
 
 
 def export_sheet(
@@ -85,12 +85,19 @@ def export_sheet(
         columns = best_columns([tiles.size] * len(chosen))
         rows = -(-len(chosen) // columns)
         sheet = np.full(
-            (rows * (down + _GAP_PX) - _GAP_PX, columns * (across + _GAP_PX) - _GAP_PX, 3),
+            (
+                rows * (down + _SHEET_GAP_PX) - _SHEET_GAP_PX,
+                columns * (across + _SHEET_GAP_PX) - _SHEET_GAP_PX,
+                3,
+            ),
             255,
             np.uint8,
         )
         for k, frame in enumerate(chosen):
-            top, left = k // columns * (down + _GAP_PX), k % columns * (across + _GAP_PX)
+            top, left = (
+                k // columns * (down + _SHEET_GAP_PX),
+                k % columns * (across + _SHEET_GAP_PX),
+            )
             sheet[top : top + down, left : left + across] = tiles.picture(frame)
     done, data = cv2.imencode(".png", cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))
     if not done:

@@ -13,7 +13,7 @@ from pawnb.core.video.viewset import ViewSet
 from pawnb.errors import InputError, did_you_mean
 from pawnb.workflow.export.marks import TRAIL, Marks, write
 
-_GAP_PX = 4
+_TILE_GAP_PX = 4
 _ASPECT = 1.6
 """Width over height that a picture of several parts comes nearest to."""
 _PAPER = (255, 255, 255)
@@ -41,15 +41,15 @@ class TileLayout:
 
     def __init__(self, sizes: Mapping[str, tuple[int, int]], *, width: int) -> None:
         columns = best_columns(list(sizes.values()))
-        self.part = (width - _GAP_PX * (columns - 1)) // columns
+        self.part = (width - _TILE_GAP_PX * (columns - 1)) // columns
         heights = [max(1, round(self.part * h / w)) for w, h in sizes.values()]
         rows = [heights[i : i + columns] for i in range(0, len(heights), columns)]
-        tops = np.cumsum([0, *(max(row) + _GAP_PX for row in rows)])
+        tops = np.cumsum([0, *(max(row) + _TILE_GAP_PX for row in rows)])
         self.at = {
-            name: (int(tops[i // columns]), (i % columns) * (self.part + _GAP_PX), heights[i])
+            name: (int(tops[i // columns]), (i % columns) * (self.part + _TILE_GAP_PX), heights[i])
             for i, name in enumerate(sizes)
         }
-        high = max(2, int(tops[-1]) - _GAP_PX)
+        high = max(2, int(tops[-1]) - _TILE_GAP_PX)
         self.size = (width + width % 2, high + high % 2)
 
     def whole(self, parts: Mapping[str, np.ndarray], said: str) -> np.ndarray:

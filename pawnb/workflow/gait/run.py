@@ -16,7 +16,7 @@ from pawnb.gait import EventSettings, GaitTables
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.cycles import LegSignals
-from pawnb.gait.events.event_edits import FILE_NAME
+from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import build_settings
 from pawnb.workflow.gait.drawing.drawings import Drawing, gait_drawings
@@ -378,4 +378,4 @@ def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
 def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:
     """Return the corrections of events beside the results of the inputs, and of this run."""
     folders = {folder.resolve(): folder for folder in (*(s.folder for s in sources), out)}
-    return [path for f in folders.values() if (path := f / FILE_NAME).exists()]
+    return [path for f in folders.values() if (path := f / EVENT_EDITS_FILE).exists()]

@@ -25,13 +25,13 @@ _PER_UNIT = {
     "kg": 1e3, "g": 1.0, "mg": 1e-3, "m": 1e3, "cm": 10.0, "mm": 1.0,
 }  # fmt: skip
 """Grams, and mm."""
-_SIZE = re.compile(r"(?P<what>mass|body_length|carapace)_(?P<unit>kg|g|mg|cm|mm|m)")
+_SIZE_COLUMN = re.compile(r"(?P<what>mass|body_length|carapace)_(?P<unit>kg|g|mg|cm|mm|m)")
 _SPEED = re.compile(r"(?P<most>max_)?speed_(?P<unit>mm|cm|m)_s")
-_NEEDED = (
+_SPECIES_NEEDS = (
     "name, group, a size (such as mass_kg or carapace_cm) and a speed (such as speed_cm_s, or "
     "max_speed_m_s)"
 )
-_KNOWN = ("file", "name", "group", "without")
+_KNOWN_COLUMNS = ("file", "name", "group", "without")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,9 +76,9 @@ def species_of(row: Mapping[str, Any], path: Path) -> Species:
     InputError
         If a field is unknown, one that is needed is missing, or the file is none of species.
     """
-    odd = [name for name in row if name not in _KNOWN]
+    odd = [name for name in row if name not in _KNOWN_COLUMNS]
     without = row.get("without", [])
-    if odd or not all(isinstance(row.get(name), str) for name in _KNOWN[:3]):
+    if odd or not all(isinstance(row.get(name), str) for name in _KNOWN_COLUMNS[:3]):
         raise InputError(
             f"{path}: [[species]] is {shown(dict(row))}; expected file, name and group of your own "
             "animals, and perhaps without = [groups]."
@@ -127,12 +127,13 @@ def species_drawings(
 
 def _columns_of(path: Path) -> tuple[re.Match[str], re.Match[str]]:
     """Return the columns of size and speed of a table of species."""
-    names = read_column_names(path, expected=f"a csv with {_NEEDED}")
+    names = read_column_names(path, expected=f"a csv with {_SPECIES_NEEDS}")
     sizes, speeds = (
-        [found for name in names if (found := form.fullmatch(name))] for form in (_SIZE, _SPEED)
+        [found for name in names if (found := form.fullmatch(name))]
+        for form in (_SIZE_COLUMN, _SPEED)
     )
     if len(sizes) != 1 or len(speeds) != 1 or not {"name", "group"} <= set(names):
-        raise InputError(f"{path}: columns are {', '.join(names)}; expected {_NEEDED}.")
+        raise InputError(f"{path}: columns are {', '.join(names)}; expected {_SPECIES_NEEDS}.")
     return sizes[0], speeds[0]
 
 
@@ -160,7 +161,7 @@ def _own_size(fields: Fields, column: re.Match[str]) -> float:
     sizes: dict[str, float] = {}
     for (animal, _), own in fields.items():
         for name, value in own.items():
-            found = _SIZE.fullmatch(str(name))
+            found = _SIZE_COLUMN.fullmatch(str(name))
             if found and found["what"] == column["what"] and isinstance(value, int | float):
                 sizes[animal] = float(value) * _PER_UNIT[found["unit"]] / _PER_UNIT[column["unit"]]
     absent = sorted({animal for animal, _ in fields} - set(sizes))

@@ -14,7 +14,7 @@ from pawnb.workflow.gait.statistics import known_measures
 RESIDUAL_COLUMNS = (
     "animal", "trial", "measure", "speed", "value", "expected", "residual", "r2", "n_trials",
 )  # fmt: skip
-_FEWEST_TRIALS = 4
+_FEWEST_FOR_LINE = 4
 
 
 def speed_residuals(strides: pd.DataFrame) -> pd.DataFrame:
@@ -38,7 +38,7 @@ def speed_residuals(strides: pd.DataFrame) -> pd.DataFrame:
     parts = []
     for measure in measures:
         known = means[["speed", measure]].dropna()
-        if known["speed"].nunique() < _FEWEST_TRIALS or known[measure].nunique() < 2:
+        if known["speed"].nunique() < _FEWEST_FOR_LINE or known[measure].nunique() < 2:
             continue
         speed, value = known["speed"].to_numpy(float), known[measure].to_numpy(float)
         line = fit_line(speed, value)

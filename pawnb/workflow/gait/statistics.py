@@ -24,7 +24,7 @@ from pawnb.gait.strides.durations import compare_legs, stride_duration_by_leg
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
-MEASURES = (
+COMPARED_MEASURES = (
     "period_s", "frequency_hz", "stance_s", "swing_s", "duty_factor", "contact_duty_factor",
     "stride_length", "speed", "step_displacement",
     *(name for name in MEASURE_COLUMNS if name not in ("heading_deg", "heading_change_deg")),
@@ -34,7 +34,7 @@ MEASURES = (
 
 BY_LEG = ("period_s", "stance_s", "swing_s", "duty_factor", "stride_length")
 AGAINST_SPEED = ("frequency_hz", "stride_length", "swing_s", "stance_s", "duty_factor")
-_FEWEST_TRIALS = 3
+_FEWEST_FOR_SLOPE = 3
 ALL_LEGS = "all"
 """In place of a leg's name where legs were averaged."""
 
@@ -100,8 +100,8 @@ def length_unit(tables: GaitTables) -> str | None:
 
 
 def known_measures(strides: pd.DataFrame) -> list[str]:
-    """Return the measures that any stride has, in the order of :data:`MEASURES`."""
-    return [name for name in MEASURES if name in strides and strides[name].notna().any()]
+    """Return the measures that any stride has, in the order of :data:`COMPARED_MEASURES`."""
+    return [name for name in COMPARED_MEASURES if name in strides and strides[name].notna().any()]
 
 
 def joint_angles_of(
@@ -199,12 +199,12 @@ def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:
     predictors = ["speed", "speed_bl"]
     means = strides.groupby(["animal", "trial"])[[*AGAINST_SPEED, *predictors]].mean()
     # a line needs three points that are not at one speed
-    usable = [x for x in predictors if means[x].nunique() >= _FEWEST_TRIALS]
+    usable = [x for x in predictors if means[x].nunique() >= _FEWEST_FOR_SLOPE]
     parts = []
     for outcome in AGAINST_SPEED:
         for x in usable:
             known = means[[outcome, x]].dropna()
-            if len(known) >= _FEWEST_TRIALS and known[x].nunique() >= _FEWEST_TRIALS:
+            if len(known) >= _FEWEST_FOR_SLOPE and known[x].nunique() >= _FEWEST_FOR_SLOPE:
                 parts.append(speed_table(strides, [outcome], [x]))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
 

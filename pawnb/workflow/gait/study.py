@@ -16,9 +16,9 @@ from pawnb.workflow.gait.species import Species, species_of
 SECTIONS = ("study", "gait", "legs", "animals", "trials", "species")
 COMPARED = ("group", "condition")
 _OF_TRIAL = ("file", "animal", "name", "group", "condition", "fps", "gait")
-_WORDS = ("file", "animal", "name", "group", "condition")
+_STUDY_COLUMNS = ("file", "animal", "name", "group", "condition")
 _SETTING = "gait."
-_NEEDED = "every trial needs file = ... and animal = ..."
+_STUDY_NEEDS = "every trial needs file = ... and animal = ..."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,7 +133,7 @@ def read_study(path: str | Path) -> Study:
     path = Path(path)
     study = _from_csv(path) if path.suffix.lower() == ".csv" else _from_toml(path)
     if not study.trials:
-        raise InputError(f"{path}: no trial; {_NEEDED}.")
+        raise InputError(f"{path}: no trial; {_STUDY_NEEDS}.")
     files = [trial.path.resolve() for trial in study.trials]
     for k, trial in enumerate(study.trials):
         if files[k] in files[:k]:
@@ -180,7 +180,7 @@ def _from_csv(path: Path) -> Study:
     cells = read_cells(path, ("file", "animal"))
     trials = []
     for row in cells.to_dict(orient="records"):
-        own = {str(n): c if n in _WORDS else _plain(c) for n, c in row.items() if c != ""}
+        own = {str(n): c if n in _STUDY_COLUMNS else _plain(c) for n, c in row.items() if c != ""}
         named = [name for name in own if name.startswith(_SETTING)]
         settings = {name.removeprefix(_SETTING): own.pop(name) for name in named}
         trials.append(_trial({**own, "gait": settings}, path, {}))
@@ -193,7 +193,7 @@ def _trial(
     """Return one trial of a study."""
     file, animal = str(row.get("file", "")), str(row.get("animal", ""))
     if not file or not animal:
-        raise InputError(f"{path}: a trial is {shown(dict(row))}; {_NEEDED}.")
+        raise InputError(f"{path}: a trial is {shown(dict(row))}; {_STUDY_NEEDS}.")
     if animals and animal not in animals:
         raise InputError(
             f"{path}: {file} is of animal {animal!r}{did_you_mean(animal, animals)}, which "

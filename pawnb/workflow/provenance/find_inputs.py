@@ -9,7 +9,7 @@ from pathlib import Path
 from pawnb.errors import InputError
 from pawnb.workflow.provenance.record import file_checksum
 
-_NEAR = 3
+_NEAREST_PLACES = 3
 """In so many of the places, the nearest, folders within are looked into, too."""
 
 
@@ -75,7 +75,11 @@ def find_inputs(
         tails = [Path(*parts[k:]) for k in range(len(parts))]
         there = [f for place in places for tail in tails if (f := place / tail).is_file()]
         # what lies farther off may be another trial's: only the very file is taken for it
-        near = [] if there else [f for place in places[:_NEAR] for f in _within(place, label)]
+        near = (
+            []
+            if there
+            else [f for place in places[:_NEAREST_PLACES] for f in _within(place, label)]
+        )
         same = next((file for file in (*there, *near) if file_checksum(file) == checksum), None)
         if same is None and there:
             raise InputError(

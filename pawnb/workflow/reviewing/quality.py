@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
-from pawnb.core.pose.as_tracks import BODY, animal_of, is_pose
+from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import read_text
 from pawnb.schema import START_COLUMNS, Tracks
@@ -46,7 +46,7 @@ def assess_quality(tracks: Tracks) -> Quality:
     True
     """
     if is_pose(tracks):
-        return assess(tracks.sel(keypoint=[BODY, *animal_of(tracks).leg_names]))
+        return assess(tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names]))
     return assess(tracks, clicks=clicks_of_tracks(tracks))
 
 

@@ -36,7 +36,7 @@ APART_FRAMES = 5
 """No frame is suggested nearer than this to a clicked one, or to another."""
 
 _LEAST_LABELS = 0.5
-_LEAST_SHARE = 0.2
+_LEAST_COUNT_SHARE = 0.2
 """A point is named where a click mends half a label, and a fifth of what it does of the point that
 needs it most."""
 
@@ -164,7 +164,7 @@ def _choose(
     stretch = np.where(unsure, np.cumsum(np.diff(unsure, axis=0, prepend=False), axis=0), -1)
     for _ in range(n):
         mended = _mended(wrong, stretch, holds)
-        named = mended >= np.maximum(_LEAST_SHARE * mended.max(axis=1, keepdims=True),
+        named = mended >= np.maximum(_LEAST_COUNT_SHARE * mended.max(axis=1, keepdims=True),
                                      _LEAST_LABELS)  # fmt: skip
         gain = np.where(free, np.where(named, mended, 0.0).sum(axis=1), 0.0)
         if not len(gain) or gain.max() == 0.0:

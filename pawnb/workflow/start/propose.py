@@ -22,7 +22,7 @@ from pawnb.workflow.tracking.methods import stage_parameters
 EVERY = 5
 """Frames are looked through in steps of so many."""
 
-MOST_FRAMES = 60
+MOST_LOOKED_THROUGH = 60
 """More than this many frames are not looked through: longer recordings in larger steps."""
 
 PAWS = ("FR", "HR", "FL", "HL")
@@ -142,7 +142,7 @@ def propose_in_views(
             f"trial {trial.name!r} is not calibrated; paws can be proposed only where two "
             "calibrated views see the same side: click the points instead."
         )
-    frames = frames_to_look_through(trial, views, frames, every=EVERY, at_most=MOST_FRAMES)
+    frames = frames_to_look_through(trial, views, frames, every=EVERY, at_most=MOST_LOOKED_THROUGH)
     named = {view.name: view.points or PAWS for view in trial.views}
     wanted = {name: tuple(point for point in points if point in PAWS)
               for name, points in named.items()}  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-_WORDS = ((0.5, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
+_SURENESS_WORDS = ((0.5, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
 
 
 def sureness_in_words(sure: float) -> str:
@@ -22,4 +22,4 @@ def sureness_in_words(sure: float) -> str:
     """
     if sure <= 0 or not np.isfinite(sure):
         return "not found, place it by hand"
-    return next(words for least, words in _WORDS if sure >= least)
+    return next(words for least, words in _SURENESS_WORDS if sure >= least)

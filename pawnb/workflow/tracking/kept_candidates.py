@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.trial import Trial
 from pawnb.workflow.provenance.record import file_checksum
 
-FILE_NAME = "candidates.bin"
+CANDIDATES_FILE = "candidates.bin"
 
 _MOST_IN_MEMORY = 2
 _in_memory: OrderedDict[str, DetectionCache] = OrderedDict()
@@ -37,7 +37,7 @@ def open_store(trial: Trial, folder: Path | None) -> DetectionCache:
         The store; hand it to :func:`keep_store` after the run.
     """
     if folder is not None:
-        return DetectionCache(folder / FILE_NAME, source=describe_source(trial))
+        return DetectionCache(folder / CANDIDATES_FILE, source=describe_source(trial))
     return reopen_store(trial, None)
 
 
@@ -60,7 +60,7 @@ def reopen_store(trial: Trial, folder: Path | None) -> DetectionCache:
     # taken out while it is in use: two runs at once never share one
     store = _in_memory.pop(source, None)
     if store is None:
-        path = None if folder is None else folder / FILE_NAME
+        path = None if folder is None else folder / CANDIDATES_FILE
         store = DetectionCache(path if path and path.exists() else None, source=source)
     return store
 

@@ -19,7 +19,7 @@ from pawnb.trial import Trial
 from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.tracking.published_names import refuse_published_names, with_present_names
 
-METHODS = tuple(trackers("paws"))
+PAW_METHODS = tuple(trackers("paws"))
 """Methods of the paw tracker; the first is the default."""
 
 POSE_METHODS = tuple(trackers("pose"))

@@ -21,11 +21,11 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.tracking.trial_views import points_by_view
 
-_OWN = ("pawnb", "csv")
+_OWN_PROGRAMS = ("pawnb", "csv")
 """Formats of pawnb itself: in the pixels and frames of the trial, not of a view's file."""
-_FAR = 0.2
+_FAR_OF_EXTENT = 0.2
 """Predictions farther than this from clicks, in extents of the animal, are on something else."""
-_FEWEST = 2
+_FEWEST_COMMON = 2
 """One click may be a slip of the hand, or of the program."""
 
 
@@ -99,10 +99,10 @@ def read_predictions(
         names = tracks["keypoint"].to_numpy().astype(str).tolist()
         here = match_points(names, points, trial.detections_points, where=path.name)
         columns = [names.index(one) for one in here]
-        offset = 0 if program in _OWN else trial.view(view).offset
+        offset = 0 if program in _OWN_PROGRAMS else trial.view(view).offset
         rows = _rows_of(tracks, frames, offset, where=path.name)
         uv, likelihood = _taken(uv[:, columns], rows), _taken(likelihood[:, columns], rows)
-        if program not in _OWN:
+        if program not in _OWN_PROGRAMS:
             uv = views.readers[view].uv_of_file(uv)
         found[view] = Predictions(
             path.name, tuple(here.values()), uv, np.clip(np.nan_to_num(likelihood), 0.0, 1.0)
@@ -184,7 +184,7 @@ def doubt_predictions(
         apart = distances_from_clicks(own.uv, annotations)
         apart = apart[np.isfinite(apart)]
         extent = find_extent(own.uv, annotations, (reader.width, reader.height))
-        if len(apart) >= _FEWEST and np.median(apart) > _FAR * extent:
+        if len(apart) >= _FEWEST_COMMON and np.median(apart) > _FAR_OF_EXTENT * extent:
             doubts.append(
                 f"{own.file}: predictions lie {np.median(apart):.0f} px from the clicks in view "
                 f"{view!r} (median of {len(apart)}), so they count for little; if they are of "

@@ -18,7 +18,7 @@ from pawnb.core.paws.offline.quality.likeness import keep_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.paws.offline.settings import OfflineSettings
-from pawnb.core.paws.offline.tracker import LEARNT
+from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
 from pawnb.errors import InputError
@@ -88,7 +88,7 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         joint = looked is not None
         clicks = clicks_by_hand(trial, tracks) if joint else clicks_of_frame(trial, tracks, frame)
         given: dict[str, Any] = {}
-        if looked is not None and tracks.attrs.get("evidence") == LEARNT:
+        if looked is not None and tracks.attrs.get("evidence") == BY_LEARNT:
             framed_by = _first_clicks(tracks, looked)
             given = _learnt_again(trial, tracks, frame, placed) | {"annotations": framed_by}
         elif looked is not None and not asked.learn:

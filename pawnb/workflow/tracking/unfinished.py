@@ -19,7 +19,7 @@ from pawnb.workflow.provenance.results import provenance_steps
 KEPT_FILE = "unfinished.bin"
 """What a run on a jointed animal has found, frame by frame, until it is whole."""
 
-_PARTS = {
+_PARTS_OF_STEP = {
     "start": "another start pose",
     "method": "another method",
     "parameters": "other parameters",
@@ -86,7 +86,7 @@ def _differing(before: str, now: str) -> str:
         other = [n for n in settings if old["settings"].get(n, ...) != new["settings"].get(n, ...)]
     except (ValueError, TypeError, KeyError, AttributeError):
         return "a record that cannot be read"
-    parts = [_PARTS[name] for name in _PARTS if name in names]
+    parts = [_PARTS_OF_STEP[name] for name in _PARTS_OF_STEP if name in names]
     # another method has other settings, and another version may change the code
     if other and "method" not in names:
         parts.insert(0, f"other settings ({', '.join(sorted(other))})")

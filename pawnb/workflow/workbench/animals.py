@@ -44,7 +44,7 @@ def _sides(n: int) -> tuple[str, ...]:
     return tuple(f"{side}{place}" for side in "LR" for place in range(1, n + 1))
 
 
-OTHER = "other"
+OTHER_ANIMAL = "other"
 ANIMALS: tuple[AnimalChoice, ...] = (
     AnimalChoice("mouse", "four paws", "paws", ("FR", "HR", "FL", "HL"), "mouse"),
     AnimalChoice("four legs", "four feet of another animal", "paws", ("FR", "HR", "FL", "HL")),
@@ -57,7 +57,7 @@ ANIMALS: tuple[AnimalChoice, ...] = (
     AnimalChoice(
         "Dolomedes with joints", "a fishing spider, from above", "pose", species="dolomedes"
     ),
-    AnimalChoice(OTHER, "points that you name", "paws"),
+    AnimalChoice(OTHER_ANIMAL, "points that you name", "paws"),
 )  # fmt: skip
 
 

@@ -24,7 +24,7 @@ from pawnb.trial import (
 from pawnb.workflow.tracking.trial_views import trial_rig
 from pawnb.workflow.workbench.animals import ANIMALS, AnimalChoice
 
-_HEAD = (
+_TRIAL_HEAD = (
     "# One recording of one animal. What each line means: docs/guide/trial.md of pawnb.\n"
     "# pawnb check on this folder says what is missing or looks wrong.\n"
 )
@@ -166,7 +166,7 @@ class NewTrial:
         self.check_free()
         with open_views(trial) as views:  # a crop beyond the picture is found here,
             trial_rig(trial, views)  # and coefficients of more or fewer views
-        text = _HEAD + toml_of(trial)
+        text = _TRIAL_HEAD + toml_of(trial)
         read = trial_from_document(
             parse_toml(text, where=str(self.path)), where=str(self.path), folder=self.folder
         )

@@ -19,7 +19,7 @@ from pawnb.workflow.provenance.manifest import find_fault, known_files
 from pawnb.workflow.provenance.results import results_folder
 
 Step = Literal["mend", "calibrate", "start", "track", "review", "gait", "look"]
-STEPS: dict[Step, str] = {
+WORK_STEPS: dict[Step, str] = {
     "mend": "What to mend",
     "calibrate": "Calibrate",
     "start": "Click the start",

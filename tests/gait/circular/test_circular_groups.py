@@ -169,5 +169,5 @@ def test_permutations_of_large_samples_are_made_in_blocks(monkeypatch):
     rng = np.random.default_rng(1)
     phases, groups = rng.random(40), ["a"] * 15 + ["b"] * 25
     whole = watson_u2_test(phases, groups, n_permutations=500)
-    monkeypatch.setattr("pawnb.gait.inference.permutations._BLOCK", 400)
+    monkeypatch.setattr("pawnb.gait.inference.permutations._BLOCK_OF_VALUES", 400)
     assert watson_u2_test(phases, groups, n_permutations=500) == whole

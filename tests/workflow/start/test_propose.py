@@ -59,7 +59,7 @@ def test_paws_are_found_on_belts_as_red_as_they_are(tmp_path, monkeypatch, belt)
     assert table["px"].max() < HALF_PAW_PX * 0.25 / 0.2
     assert proposal.sure > 0.5
     # what has the redness of half the picture is never sure
-    monkeypatch.setattr(propose, "_WAYS", ("red",))
+    monkeypatch.setattr(propose, "_LOOKS_IN_TURN", ("red",))
     with pytest.raises(InputError, match="shows the paws so clearly"):
         pawnb.propose_start(tmp_path / "mouse", progress=silent)
 

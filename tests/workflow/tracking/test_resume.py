@@ -18,7 +18,7 @@ from pawnb.io.native import read_tracks
 from pawnb.trial import load_trial
 from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.tracking import kept_candidates
-from pawnb.workflow.tracking.kept_candidates import FILE_NAME
+from pawnb.workflow.tracking.kept_candidates import CANDIDATES_FILE
 from pawnb.workflow.tracking.track import retrack, track
 
 pytestmark = pytest.mark.slow  # scenes are rendered and tracked
@@ -67,7 +67,7 @@ def test_a_second_run_goes_on_and_ends_as_one_run_would(small_trial, tmp_path, d
     assert decoded == [(done, N)]
     xr.testing.assert_identical(again, whole)
     files = sorted(path.name for path in (tmp_path / "whole").iterdir())
-    assert FILE_NAME in files
+    assert CANDIDATES_FILE in files
     for name in files:
         if name != "tracks.nc":  # HDF5 writes the same data, not always the same bytes
             left, right = (tmp_path / folder / name for folder in ("whole", "parts"))

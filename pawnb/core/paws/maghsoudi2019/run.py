@@ -29,7 +29,7 @@ from pawnb.core.paws.superpixels import (
 from pawnb.core.rig import Rig
 from pawnb.schema import ORIGIN_CODE
 
-_MISSING, _MEASURED, _PREDICTED, _RESOLVED = (
+_MISSING_CODE, _MEASURED_CODE, _PREDICTED_CODE, _RESOLVED_CODE = (
     ORIGIN_CODE[name] for name in ("missing", "measured", "predicted", "resolved")
 )
 """Layout: codes of origins."""
@@ -190,10 +190,10 @@ class Run:
         n_space = 2 if self.layout.rig is None else 3
         return FrameResult(
             uv=np.full((n_views, n_points, 2), np.nan),
-            image_origin=np.full((n_views, n_points), _MISSING, dtype=np.int8),
+            image_origin=np.full((n_views, n_points), _MISSING_CODE, dtype=np.int8),
             image_confidence=np.zeros((n_views, n_points)),
             position=np.full((n_points, n_space), np.nan),
-            origin=np.full(n_points, _MISSING, dtype=np.int8),
+            origin=np.full(n_points, _MISSING_CODE, dtype=np.int8),
             confidence=np.zeros(n_points),
             residual=np.full(n_points, np.nan),
         )
@@ -224,7 +224,7 @@ class Run:
         self.detections[key] = Detection(superpixels, best, scores[best])
         self._accept(key, superpixels, int(best[0]), float(scores[best[0]]), result)
         if colliding:
-            result.image_origin[key] = _RESOLVED
+            result.image_origin[key] = _RESOLVED_CODE
 
     def _resolve(
         self,
@@ -240,14 +240,14 @@ class Run:
             found = self.detections[key]
             if resolved.rank is None:
                 result.uv[key] = resolved.place
-                result.image_origin[key] = _PREDICTED
+                result.image_origin[key] = _PREDICTED_CODE
                 result.image_confidence[key] = 0.0
                 self.previous[key] = before[key]
                 del self.detections[key]
                 continue
             number, score = int(found.best[resolved.rank]), float(found.scores[resolved.rank])
             self._accept(key, found.superpixels, number, score, result)
-            result.image_origin[key] = _RESOLVED
+            result.image_origin[key] = _RESOLVED_CODE
 
     def _undo_jumps(self, collisions: Collisions, result: FrameResult) -> None:
         """Take another of the best superpixels where a paw has jumped to another one."""
@@ -255,7 +255,7 @@ class Run:
             found = self.detections[undone.key]
             number, score = int(found.best[undone.rank]), float(found.scores[undone.rank])
             self._accept(undone.key, found.superpixels, number, score, result)
-            result.image_origin[undone.key] = _RESOLVED
+            result.image_origin[undone.key] = _RESOLVED_CODE
 
     def _accept(
         self,
@@ -267,7 +267,7 @@ class Run:
     ) -> None:
         """Take a superpixel as the point's image."""
         result.uv[key] = superpixels.uv[number]
-        result.image_origin[key] = _MEASURED
+        result.image_origin[key] = _MEASURED_CODE
         result.image_confidence[key] = score
         self.previous[key] = superpixels.look(number)
 
@@ -311,8 +311,8 @@ class Run:
             by_hand = (result.image_origin[used, point] == ORIGIN_CODE["edited"]).all()
             result.position[point] = solved.xyz[point]
             result.residual[point] = solved.residual_px[point]
-            found = (result.image_origin[used, point] != _PREDICTED).any()
-            code = _MEASURED if found else _PREDICTED
+            found = (result.image_origin[used, point] != _PREDICTED_CODE).any()
+            code = _MEASURED_CODE if found else _PREDICTED_CODE
             result.origin[point] = ORIGIN_CODE["edited"] if by_hand else code
             result.confidence[point] = result.image_confidence[used, point].mean()
 
@@ -368,14 +368,14 @@ class Run:
         """Give the prediction where nothing was found, if it is inside the picture."""
         layout = self.layout
         for key in self.initial:
-            gone = result.image_origin[key] == _MISSING
+            gone = result.image_origin[key] == _MISSING_CODE
             if gone and np.isfinite(centres[key]).all() and layout.contains(key[0], centres[key]):
                 result.uv[key] = centres[key]
-                result.image_origin[key] = _PREDICTED
+                result.image_origin[key] = _PREDICTED_CODE
         if layout.rig is not None:
             lost = np.isnan(result.position[:, 0]) & np.isfinite(self.space.position[:, 0])
             result.position[lost] = self.space.position[lost]
-            result.origin[lost] = _PREDICTED
+            result.origin[lost] = _PREDICTED_CODE
 
 
 def _advance(

@@ -35,13 +35,13 @@ from pawnb.signals import (
 DEFAULT_TEMPLATE = Path(__file__).with_name("stride_template.json")
 """The template that comes with pawnb, made by :mod:`pawnb.workflow.stride_template`."""
 
-KINDS = ("front", "hind")
+PAW_KINDS = ("front", "hind")
 N_POINTS = 50
 """Layout: phases of a stored stride, one a frame of a stride of 5 Hz at 250 frames per second."""
 _FORMAT = "pawnb stride template 1"
-_DECIMALS = 5
+_TEMPLATE_DECIMALS = 5
 """Layout: of numbers in the file."""
-_MOST_BYTES = 2**24
+_MOST_TEMPLATE_BYTES = 2**24
 """Guard: a larger file is no template."""
 
 
@@ -104,10 +104,10 @@ class StrideTemplate:
         """Write the template as JSON, whole or not at all."""
         document: dict[str, Any] = {"format": _FORMAT}
         for kind, own in self.kinds.items():
-            u, v = np.round(own.uv, _DECIMALS).T.tolist()
+            u, v = np.round(own.uv, _TEMPLATE_DECIMALS).T.tolist()
             document[kind] = {
                 "n_strides": own.n_strides,
-                "period_s": round(own.period_s, _DECIMALS),
+                "period_s": round(own.period_s, _TEMPLATE_DECIMALS),
                 "u": u,
                 "v": v,
             }
@@ -158,7 +158,7 @@ def cut_strides(
     if "image_position" not in tracks:
         raise InputError("these tracks have no image positions; strides are cut in the pictures.")
     fps = float(tracks.attrs["fps"])
-    found: dict[str, list[tuple[np.ndarray, float]]] = {kind: [] for kind in KINDS}
+    found: dict[str, list[tuple[np.ndarray, float]]] = {kind: [] for kind in PAW_KINDS}
     for view in tracks["view"].to_numpy().tolist():
         for point, kind in points.items():
             used = points_by_view is None or point in points_by_view.get(view, ())
@@ -269,7 +269,7 @@ def average_strides(strides: Iterable[Mapping[str, Strides]]) -> StrideTemplate:
     """
     everything = list(strides)
     kinds = {}
-    for kind in KINDS:
+    for kind in PAW_KINDS:
         uv = np.concatenate([one[kind].uv for one in everything] or [np.empty((0, N_POINTS, 2))])
         period = np.concatenate([one[kind].period_s for one in everything] or [np.empty(0)])
         if len(uv) == 0:
@@ -308,7 +308,9 @@ def load_template(path: str | Path = DEFAULT_TEMPLATE) -> StrideTemplate:
     """
     path = Path(path)
     try:
-        document = json.loads(read_text(path, expected="a stride template", most_bytes=_MOST_BYTES))
+        document = json.loads(
+            read_text(path, expected="a stride template", most_bytes=_MOST_TEMPLATE_BYTES)
+        )
     except (ValueError, RecursionError) as error:
         if isinstance(error, InputError):
             raise
@@ -325,7 +327,7 @@ def load_template(path: str | Path = DEFAULT_TEMPLATE) -> StrideTemplate:
                 float(document[kind]["period_s"]),
                 int(document[kind]["n_strides"]),
             )
-            for kind in KINDS
+            for kind in PAW_KINDS
         }
     except (KeyError, ValueError, TypeError) as error:
         raise InputError(f"{path}: a damaged stride template ({error}).") from None

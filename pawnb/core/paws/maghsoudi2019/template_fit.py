@@ -24,7 +24,7 @@ _SIMPLEX = (1.05, 1.1, 1.0)
 """Numerics: first steps of the search, factors of frequency and amplitude, and frames."""
 _CLOSE_ENOUGH = 1e-3
 """Numerics: the search ends where frames and squared px change by less, the latter a frame."""
-_MOST_STEPS = 200
+_MOST_TEMPLATE_STEPS = 200
 """Resource: of the search."""
 
 
@@ -176,7 +176,7 @@ def _least_squares(cost: Any, start: tuple[float, ...], *, n_frames: int) -> tup
             ),
             "xatol": _CLOSE_ENOUGH,
             "fatol": _CLOSE_ENOUGH * n_frames,
-            "maxiter": _MOST_STEPS,
+            "maxiter": _MOST_TEMPLATE_STEPS,
         },
     )
     found = tuple(float(x) for x in solved.x)

@@ -15,7 +15,7 @@ import pandas as pd
 from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
-from pawnb.core.paws.offline.detection.evidence import Detections, Evidence, installed_evidence
+from pawnb.core.paws.offline.detection.evidence import Detections, EvidenceKind, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import RUN, OfflineParameters, parameters_in_force
@@ -348,7 +348,7 @@ def _detections(
     annotations: Annotations,
     view: int,
     span: tuple[int, int],
-    kinds: Sequence[Evidence],
+    kinds: Sequence[EvidenceKind],
 ) -> list[Detections]:
     """Return what other programs and other packages' kinds of evidence find in a view."""
     name = layout.views[view]

@@ -25,7 +25,7 @@ from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.pixels.grey import has_colour
 from pawnb.schema import Tracks
 
-COLOUR, STRIDES, LEARNT = "colour", "strides", "learnt"
+BY_COLOUR, STRIDES, BY_LEARNT = "colour", "strides", "learnt"
 """What tracks may be found by; kept in their attribute ``evidence``."""
 
 
@@ -80,7 +80,7 @@ def track_offline(
     if stacks is not None and looked is None and goes_on(views, start, task, stacks=stacks):
         ways = []  # found to fail by the run that is gone on from
     for kind in ways:
-        find: Callable[..., Tracks] = track_treadmill if kind == COLOUR else track_by_strides
+        find: Callable[..., Tracks] = track_treadmill if kind == BY_COLOUR else track_by_strides
         tracks = find(views, start, task, **given)
         tracks.attrs["evidence"] = kind
         complete = tracks.sizes["time"] >= n
@@ -95,7 +95,7 @@ def track_offline(
     if best is not None and best[0].verdict != "failed":
         return best[1]
     tracks = track_learnt(views, start, task, looked=looked, stacks=stacks, again=again)
-    tracks.attrs["evidence"] = LEARNT
+    tracks.attrs["evidence"] = BY_LEARNT
     return tracks
 
 
@@ -117,16 +117,16 @@ def _ways(
     looked: pd.DataFrame | None,
 ) -> list[str]:
     """Return by what tracks are sought, one after the other until one serves."""
-    if settings.evidence in (COLOUR, STRIDES):
+    if settings.evidence in (BY_COLOUR, STRIDES):
         return [settings.evidence]
-    if settings.evidence == LEARNT:
+    if settings.evidence == BY_LEARNT:
         return []
     by_strides = strides_may_tell(views, start, task, settings=settings)
     # brightness alone tells a paw worse than a look that is learnt
     by_colour = not by_strides or _has_colour(views, int(start["frame"].iloc[0]))
     ways = []
     if by_colour and _colour_may_tell(views, start, task, settings, looked):
-        ways.append(COLOUR)
+        ways.append(BY_COLOUR)
     return [*ways, STRIDES] if by_strides else ways
 
 

@@ -42,7 +42,7 @@ from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS
 
-_WAYS: tuple[Look, ...] = ("skin", "red", "light")
+_LOOKS_IN_TURN: tuple[Look, ...] = ("skin", "red", "light")
 """What paws are found by, one after the other until each paw is sure."""
 
 
@@ -109,7 +109,7 @@ def find_paws(
             "views see the same side: click the points instead."
         )
     looks = _Looks(views, frames)
-    ways = _WAYS if looks.has_colour() else _WAYS[-1:]
+    ways = _LOOKS_IN_TURN if looks.has_colour() else _LOOKS_IN_TURN[-1:]
     found = None
     for done, look in enumerate(ways):
         later = None if progress is None else _after(progress, done * len(frames))

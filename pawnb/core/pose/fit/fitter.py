@@ -11,10 +11,11 @@ import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.learning.clutter import Clutter
 from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.fit.pose_index import PoseIndex, index_pose
+from pawnb.core.pose.fit.rendering.blur import SQRT5
 from pawnb.core.pose.fit.rendering.canvas import Canvas
 from pawnb.core.pose.fit.rendering.evidence import Evidence
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
@@ -27,9 +28,6 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 from pawnb.core.pose.fit.settings import PoseSettings
 
-SQRT5 = float(np.sqrt(5.0))
-"""Mathematics: half width of the parabolic blur that is painted, in its standard deviations."""
-
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FrameFitter:
@@ -39,9 +37,9 @@ class FrameFitter:
     ----------
     animal : StickAnimal
         The animal.
-    layout : Layout
+    layout : PoseLayout
         Its appearance as far as it was learnt, working pixels.
-    initial : Layout
+    initial : PoseLayout
         Its appearance before it was learnt, of which that is no more than a change.
     blur : float
         Half width of the blur that is painted, working px.
@@ -63,8 +61,8 @@ class FrameFitter:
     """
 
     animal: StickAnimal
-    layout: Layout
-    initial: Layout
+    layout: PoseLayout
+    initial: PoseLayout
     blur: float
     anatomy: Prior
     usual_poses: tuple[FloatArray, ...]
@@ -74,12 +72,12 @@ class FrameFitter:
     index: PoseIndex
     canvas_room: Canvas
 
-    def with_initial_appearance(self, layout: Layout) -> FrameFitter:
+    def with_initial_appearance(self, layout: PoseLayout) -> FrameFitter:
         """Return a fitter of an animal that looks like this before it is learnt.
 
         Parameters
         ----------
-        layout : Layout
+        layout : PoseLayout
             The animal's appearance.
 
         Returns
@@ -89,12 +87,12 @@ class FrameFitter:
         """
         return replace(self, layout=layout, initial=layout)
 
-    def with_appearance(self, layout: Layout, *, blur: float | None = None) -> FrameFitter:
+    def with_appearance(self, layout: PoseLayout, *, blur: float | None = None) -> FrameFitter:
         """Return a fitter of an animal whose appearance was learnt.
 
         Parameters
         ----------
-        layout : Layout
+        layout : PoseLayout
             The animal's appearance.
         blur : float, optional
             Half width of the blur that is painted, working px; default as it is.
@@ -252,7 +250,7 @@ class FrameFitter:
 
 def make_fitter(
     animal: StickAnimal,
-    layout: Layout,
+    layout: PoseLayout,
     *,
     evidence: Evidence,
     anatomy: Prior,
@@ -264,7 +262,7 @@ def make_fitter(
     ----------
     animal : StickAnimal
         The animal.
-    layout : Layout
+    layout : PoseLayout
         As arrays, in working pixels.
     evidence : Evidence
         Makes the evidence of frames.

@@ -22,11 +22,11 @@ from pawnb.core.pose.poses import Poses
 
 N_BODY = 3
 """Layout: numbers of the pose vector before the legs: x, y, heading."""
-_SHORTEST = 1e-3
+_SHORTEST_SEGMENT = 1e-3
 """Guard: segments are no shorter, of their length or px, as their logarithm is taken."""
 
 
-class Layout(NamedTuple):
+class PoseLayout(NamedTuple):
     """The animal in working pixels; the leg arrays are padded to the most links or segments.
 
     Attributes
@@ -60,14 +60,14 @@ class Layout(NamedTuple):
     ellipse: np.ndarray
 
 
-def n_parameters(layout: Layout) -> int:
+def n_parameters(layout: PoseLayout) -> int:
     """Return the length of the pose vector."""
     return N_BODY + 2 * int(layout.n_links.sum())
 
 
 def make_layout(
     animal: StickAnimal, *, px_per_unit: float, dark: float | None = None, size: float = 1.0
-) -> Layout:
+) -> PoseLayout:
     """Return the animal as its species file has it.
 
     Parameters
@@ -84,7 +84,7 @@ def make_layout(
 
     Returns
     -------
-    Layout
+    PoseLayout
         The arrays.
     """
     legs, dark = animal.legs, FITTING.dark if dark is None else dark
@@ -113,7 +113,7 @@ def make_layout(
             FITTING.waist_width * beside[:, 3].min(),
         )
         ellipse = np.vstack([ellipse, [0.0, 0.0, half, across, dark, 0.0, dark]])
-    return Layout(
+    return PoseLayout(
         side=np.array([leg.side for leg in legs], dtype=float),
         attach=np.array([leg.attach for leg in legs]) * px_per_unit,
         n_links=n_links,
@@ -195,17 +195,17 @@ def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> Float
         seen = np.stack(
             [poses.lengths_px[:, of_leg][:, link == k].sum(axis=1) for k in range(n)], axis=1
         )
-        parts.append(np.log(np.maximum(seen, _SHORTEST * whole) / whole))
+        parts.append(np.log(np.maximum(seen, _SHORTEST_SEGMENT * whole) / whole))
         joint, segment = joint + n, segment + len(link)
     return np.concatenate(parts, axis=1)
 
 
-def leg_numbers(layout: Layout, leg: int, joints: FloatArray, *, heading: float) -> FloatArray:
+def leg_numbers(layout: PoseLayout, leg: int, joints: FloatArray, *, heading: float) -> FloatArray:
     """Return a leg's part of the pose vector that puts the ends of its links at places.
 
     Parameters
     ----------
-    layout : Layout
+    layout : PoseLayout
         The animal.
     leg : int
         Which leg.
@@ -227,7 +227,9 @@ def leg_numbers(layout: Layout, leg: int, joints: FloatArray, *, heading: float)
     direction = np.arctan2(steps[:, 1], steps[:, 0])
     forwards = np.pi / 2 - layout.side[leg] * (direction - heading) - np.angle(flat)
     turns = (np.diff(forwards, prepend=0.0) + np.pi) % (2 * np.pi) - np.pi
-    return np.concatenate([turns, np.log(np.maximum(np.hypot(*steps.T), _SHORTEST) / np.abs(flat))])
+    return np.concatenate(
+        [turns, np.log(np.maximum(np.hypot(*steps.T), _SHORTEST_SEGMENT) / np.abs(flat))]
+    )
 
 
 def poses_of_vectors(

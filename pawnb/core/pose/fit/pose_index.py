@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.arrays import BoolArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.layout import N_BODY, Layout
+from pawnb.core.pose.fit.layout import N_BODY, PoseLayout
 from pawnb.core.pose.fit.learning.anatomy import parameter_kinds
 
 
@@ -64,14 +64,14 @@ def partners(animal: StickAnimal) -> IntArray:
     return np.array(out)
 
 
-def index_pose(animal: StickAnimal, layout: Layout) -> PoseIndex:
+def index_pose(animal: StickAnimal, layout: PoseLayout) -> PoseIndex:
     """Return where the parts of an animal are in its pose vector.
 
     Parameters
     ----------
     animal : StickAnimal
         The animal.
-    layout : Layout
+    layout : PoseLayout
         The same as arrays.
 
     Returns

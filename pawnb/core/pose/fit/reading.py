@@ -8,7 +8,7 @@ from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.video.views import Frame, ViewReader
 
-_AHEAD = 4
+_FRAMES_AHEAD = 4
 """Resource: frames that are decoded before they are asked for."""
 
 
@@ -61,7 +61,7 @@ def _read_ahead(reader: ViewReader, numbers: range, steps: Steps) -> Iterator[Fr
         waiting = []
         for i in numbers:
             waiting.append(pool.submit(reader.frame, i))
-            if len(waiting) > _AHEAD:
+            if len(waiting) > _FRAMES_AHEAD:
                 yield waiting.pop(0).result()
             if steps.stopped():
                 break

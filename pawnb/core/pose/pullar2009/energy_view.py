@@ -21,7 +21,7 @@ from pawnb.core.pose.pullar2009.mincut import grid_energy
 from pawnb.core.pose.pullar2009.settings import EnergyParameters, Pullar2009Settings
 from pawnb.core.pose.pullar2009.sticks import distance_map, pose_vector
 
-_MOST = 500.0
+_MOST_EXPONENT = 500.0
 """Guard: exponents beyond this would overflow."""
 
 
@@ -112,7 +112,9 @@ def explain_energy(
         (u0, v0), crop.shape, vector[2], sticks.points(vector), sticks.n_links,
         sticks.parts(vector), float(sum(crop.shape)),
     )  # fmt: skip
-    x = np.clip(p.steepness * (away.astype(float) - p.thickness_px), -_MOST, _MOST)
+    x = np.clip(
+        p.steepness * (away.astype(float) - p.thickness_px), -_MOST_EXPONENT, _MOST_EXPONENT
+    )
     shape = np.where(cut.labels, np.logaddexp(0, x), np.logaddexp(0, -x)).sum()
     different = float(
         (cut.labels[:, 1:] != cut.labels[:, :-1]).sum() + (cut.labels[1:] != cut.labels[:-1]).sum()

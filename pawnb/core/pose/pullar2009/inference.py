@@ -13,12 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.pose.pullar2009.energy import Cut, FrameCosts, Pullar2009Energy
-from pawnb.core.pose.pullar2009.limb_steps import FLAT, part_distances, shape_cost, turn_leg
+from pawnb.core.pose.pullar2009.limb_steps import (
+    FLAT_EXPONENT,
+    part_distances,
+    shape_cost,
+    turn_leg,
+)
 from pawnb.core.pose.pullar2009.sticks import distance_map
 
 _LOWERED = 1e-7
 """Numerics: an energy is lower only by more than this share: costs are rounded before the cut."""
-_NEIGHBOURS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
+_FOUR_STEPS = ((1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0))
 """Definition: the four neighbouring positions of §3.4.2, px."""
 
 
@@ -95,7 +100,7 @@ def _move(
     """Step to the best of the four neighbouring positions while that lowers the energy."""
     back = None
     while True:
-        steps = [step for step in _NEIGHBOURS if step != back]
+        steps = [step for step in _FOUR_STEPS if step != back]
         tries = []
         for step in steps:
             moved = pose.copy()
@@ -164,9 +169,9 @@ def _turn_limbs(
     pose = pose.copy()
     parts = sticks.parts(pose)
     away = part_distances(pixels, pose[2], sticks.points(pose), sticks.n_links, parts)
-    most = p.thickness_px + FLAT / p.steepness
+    most = p.thickness_px + FLAT_EXPONENT / p.steepness
     # pixels with no cost from other parts have none from this limb either
-    free = p.thickness_px - FLAT / p.steepness
+    free = p.thickness_px - FLAT_EXPONENT / p.steepness
     for i in range(len(sticks.n_links)):
         own = slice(sticks.first[i], sticks.first[i + 1])
         others = np.delete(away, 1 + i, axis=0).min(axis=0)

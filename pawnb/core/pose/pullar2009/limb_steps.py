@@ -21,7 +21,7 @@ from pawnb.core.pose.pullar2009.sticks import (
     leg_points,
 )
 
-FLAT = 30.0
+FLAT_EXPONENT = 30.0
 """Numerics: log(1 + exp(-x)) beyond this is nothing."""
 _NEAR_PX = 8.0
 """Resource: distances up to this come from a map of all of them, larger ones one by one."""
@@ -30,9 +30,9 @@ _NEAR_PX = 8.0
 @compiled
 def softplus(x: float) -> float:
     """Return log(1 + exp(x))."""
-    if x > FLAT:
+    if x > FLAT_EXPONENT:
         return x
-    if x < -FLAT:
+    if x < -FLAT_EXPONENT:
         return 0.0
     return math.log1p(math.exp(x))
 
@@ -94,7 +94,7 @@ def shape_cost(
     float
         The cost.
     """
-    most = max(_NEAR_PX, thickness + FLAT / steepness)
+    most = max(_NEAR_PX, thickness + FLAT_EXPONENT / steepness)
     near = distance_map(origin, labels.shape, heading, points, n_links, parts, most)
     cos, sin = math.cos(math.radians(heading)), math.sin(math.radians(heading))
     cost = 0.0
@@ -154,7 +154,7 @@ def _leg_cost(
         if best < far * far:
             away = max(0.0, math.sqrt(best) - HALF_LINE_PX)
             cost += softplus(steepness * (away - thickness)) - without[k]
-    most = thickness + FLAT / steepness
+    most = thickness + FLAT_EXPONENT / steepness
     for i in range(n_links):
         cost += _along_link(i, points, n_links, near, labels, origin, most, thickness, steepness)
     return cost

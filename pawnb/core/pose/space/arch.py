@@ -10,7 +10,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 
-_STEPS = 40
+_ARCH_STEPS = 40
 """Numerics: halvings of an interval, to one part in 1e12."""
 _FLATTEST = 0.02
 """Numerics: least half angle of an arc, radians: a leg that is stretched beyond its length lies
@@ -20,7 +20,7 @@ nearly straight."""
 def arch_angle(chord_share: float) -> float:
     """Return half the angle of an arc whose chord is this share of its length, radians."""
     low, high = _FLATTEST, np.pi
-    for _ in range(_STEPS):
+    for _ in range(_ARCH_STEPS):
         middle = 0.5 * (low + high)
         if np.sin(middle) / middle > chord_share:
             low = middle

@@ -22,7 +22,7 @@ from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.schema import ORIGIN_CODE
 
-_STEPS = 6
+_FIRST_VIEW_STEPS = 6
 """Numerics: steps of Gauss-Newton from places that are nearly right."""
 
 
@@ -106,7 +106,7 @@ class _LegFit:
         angles, lengths = before.copy(), known.copy()
         n_free, n = len(self.free), known.shape[1]
         prior = np.r_[np.full(n_free, self.angle_sd), np.full(n, self.length_sd)] ** -2.0
-        for _ in range(_STEPS):
+        for _ in range(_FIRST_VIEW_STEPS):
             places, jacobian = self._places(angles, lengths)
             off = (self.target[:, 1:] - places).reshape(len(places), -1)
             moved = np.concatenate([before - angles, known - lengths], axis=1)

@@ -9,6 +9,7 @@ from scipy.ndimage import binary_dilation, label
 
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core import dlt
+from pawnb.core.pose.fit.rendering.blur import SQRT5
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence, make_evidence
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, picture_cost
@@ -25,9 +26,14 @@ from pawnb.core.pose.space.picture_kernels import (
 )
 from pawnb.core.video.views import Frame
 
-_SQRT5 = float(np.sqrt(5.0))
-"""Mathematics: half width of a parabola, in its standard deviations."""
-_DAMPING, _EASIER, _LEAST, _HARDER, _MORE, _MOST = 1e-3, 4, 1e-6, 8, 1e-4, 1e4
+_SPACE_DAMPING, _SPACE_EASIER, _SPACE_LEAST, _SPACE_HARDER, _MORE, _SPACE_MOST = (
+    1e-3,
+    4,
+    1e-6,
+    8,
+    1e-4,
+    1e4,
+)
 """Numerics: the schedule of damping of a Levenberg-Marquardt descent (Marquardt 1963). It tells how
 steps are found, not where the bottom is."""
 
@@ -54,7 +60,7 @@ class SpaceFitter:
     @property
     def blur(self) -> float:
         """Half width of the blur that is painted, working px."""
-        return _SQRT5 * self.model.settings.blur_px
+        return SQRT5 * self.model.settings.blur_px
 
     @property
     def shown(self) -> BoolArray:
@@ -215,7 +221,7 @@ class SpaceFitter:
     ) -> tuple[np.ndarray, float]:
         """Return the unknowns at the bottom of the cost's valley, and their cost."""
         cost, matrix, vector = self.equations(one, image_evidence, x, known=known, blur=blur)
-        damping = _DAMPING
+        damping = _SPACE_DAMPING
         for _ in range(IN_SPACE.rounds):
             step = self.solve(matrix, -vector, damping)
             most = IN_SPACE.most_step * self.model.span
@@ -223,13 +229,13 @@ class SpaceFitter:
             new = self.equations(one, image_evidence, x + step, known=known, blur=blur)
             gained = cost - new[0]
             if gained > 0:
-                x, damping = x + step, max(damping / _EASIER, _LEAST)
+                x, damping = x + step, max(damping / _SPACE_EASIER, _SPACE_LEAST)
                 cost, matrix, vector = new
                 if gained < IN_SPACE.enough:
                     break
             else:
-                damping = damping * _HARDER + _MORE
-                if damping > _MOST:
+                damping = damping * _SPACE_HARDER + _MORE
+                if damping > _SPACE_MOST:
                     break
         return x, cost
 

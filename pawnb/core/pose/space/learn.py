@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.learning.appearance import learn_legs
 from pawnb.core.pose.fit.learning.appearance_kernels import look_equations
 from pawnb.core.pose.fit.pose_index import partners
@@ -22,7 +22,7 @@ Sample = tuple[SpaceFrame, ImageEvidence, np.ndarray]
 """A frame, its second picture and its unknowns."""
 
 
-def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> SpaceModel:
+def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: PoseLayout) -> SpaceModel:
     """Return the model with body, legs' appearance and lengths as the pictures have them.
 
     Parameters
@@ -31,7 +31,7 @@ def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
         With the model as known so far.
     samples : sequence of Sample
         Fitted frames.
-    first : Layout
+    first : PoseLayout
         Thickness and darkness as the species file has them.
 
     Returns
@@ -111,7 +111,7 @@ def _picture_costs(
     return total
 
 
-def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> Layout:
+def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: PoseLayout) -> PoseLayout:
     """Return the layout with legs as thick and dark, and the body as dark, as they are seen."""
     model = fitter.model
     layout = model.layout

@@ -10,7 +10,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core import dlt
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.layout import Layout, make_layout
+from pawnb.core.pose.fit.layout import PoseLayout, make_layout
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.space.geometry import SightLines, check_second_view, px_per_unit, view_slope
 from pawnb.core.pose.space.parameters import IN_SPACE
@@ -20,7 +20,7 @@ from pawnb.core.rig import Rig
 from pawnb.core.sightlines import find_look_point
 from pawnb.errors import InputError
 
-_SAMPLES, _LOOKED_UP = 4001, 25
+_HEIGHTS_TRIED, _LOOKED_UP = 4001, 25
 """Numerics: heights that are tried, in so many frames, evenly spread."""
 
 
@@ -38,7 +38,7 @@ class SpaceModel:
         DLT coefficients of the second view, working pixels.
     factor : int
         View pixels of the second view along each side of a working pixel.
-    layout : Layout
+    layout : PoseLayout
         Thickness and darkness in the second view, working pixels.
     size : float
         Units of the calibration in one unit of the species file.
@@ -59,7 +59,7 @@ class SpaceModel:
     lines: SightLines
     coefs: FloatArray
     factor: int
-    layout: Layout
+    layout: PoseLayout
     size: float
     lengths: FloatArray
     heights: tuple[float, float]
@@ -73,7 +73,7 @@ class SpaceModel:
         """Leg span, unit of the calibration."""
         return self.size * self.animal.span
 
-    def changed(self, **values: np.ndarray | Layout | float) -> SpaceModel:
+    def changed(self, **values: np.ndarray | PoseLayout | float) -> SpaceModel:
         """Return the model with some of its values replaced."""
         return dataclasses.replace(self, **values)  # type: ignore[arg-type]
 
@@ -209,7 +209,7 @@ def _heights_in_view(
 ) -> tuple[float, float]:
     """Return the range of heights at which the body is in the second picture in most frames."""
     far = IN_SPACE.far_pictures * max(sizes[0]) / px_per_unit(lines.coefs, lines.about)
-    heights = np.linspace(-far, far, _SAMPLES)
+    heights = np.linspace(-far, far, _HEIGHTS_TRIED)
     some = xy[:: max(1, len(xy) // _LOOKED_UP)]
     start, direction = lines.lines(some)
     uv = dlt.project(coefs, start[:, None] + heights[:, None] * direction[:, None])[..., 0, :]

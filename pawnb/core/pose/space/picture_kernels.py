@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.core.compiled import compiled
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.paint_kernels import (
     NOTHING,
     clear,
@@ -140,7 +140,7 @@ def paint_parts(
 
 
 @compiled
-def place_joints(layout: Layout, x: np.ndarray, coefs: np.ndarray, joints: np.ndarray) -> None:
+def place_joints(layout: PoseLayout, x: np.ndarray, coefs: np.ndarray, joints: np.ndarray) -> None:
     """Write where the joints of the unknowns ``x`` appear in the second view."""
     legs, most = joints.shape[0], joints.shape[1]
     for i in range(legs):
@@ -151,7 +151,7 @@ def place_joints(layout: Layout, x: np.ndarray, coefs: np.ndarray, joints: np.nd
 
 @compiled
 def paint_space(
-    layout: Layout, x: np.ndarray, coefs: np.ndarray, parts: np.ndarray, shown: np.ndarray,
+    layout: PoseLayout, x: np.ndarray, coefs: np.ndarray, parts: np.ndarray, shown: np.ndarray,
     blur: float, box: np.ndarray, value: np.ndarray, owner: np.ndarray, along: np.ndarray,
     joints: np.ndarray,
 ) -> None:  # fmt: skip
@@ -166,7 +166,7 @@ def paint_space(
 
 @compiled
 def add_picture(
-    layout: Layout, x: np.ndarray, coefs: np.ndarray, parts: np.ndarray, blur: float,
+    layout: PoseLayout, x: np.ndarray, coefs: np.ndarray, parts: np.ndarray, blur: float,
     box: np.ndarray, value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
     seen: np.ndarray, weight: np.ndarray, soft: float, share: float, matrix: np.ndarray,
     vector: np.ndarray,
@@ -230,7 +230,7 @@ def _add_row(
 
 @compiled
 def add_known(
-    layout: Layout, x: np.ndarray, known: Known, matrix: np.ndarray, vector: np.ndarray
+    layout: PoseLayout, x: np.ndarray, known: Known, matrix: np.ndarray, vector: np.ndarray
 ) -> float:
     """Add matrix and gradient of what is known without the second picture; return its cost."""
     legs, most = known.seen.shape[0], known.seen.shape[1]

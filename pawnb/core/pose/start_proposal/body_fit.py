@@ -13,7 +13,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 from pawnb.core.pose.start_proposal.silhouette import Silhouette, sample_grid
 
-_MOST_STEPS = 60
+_MOST_BODY_STEPS = 60
 """Resource: of the search for a body's place."""
 
 
@@ -112,7 +112,7 @@ def fit_body(
             return np.concatenate([to_core, to_model * np.sqrt(len(model) / len(rim)), known])
 
         found = least_squares(
-            residuals, start, loss="cauchy", f_scale=own.body_soft, max_nfev=_MOST_STEPS
+            residuals, start, loss="cauchy", f_scale=own.body_soft, max_nfev=_MOST_BODY_STEPS
         )
         x, y, turn, log = found.x
         size = float(np.exp(log))

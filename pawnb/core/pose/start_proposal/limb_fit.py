@@ -15,7 +15,7 @@ from pawnb.core.pose.start_proposal.body_fit import BodyFit
 from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 from pawnb.core.pose.start_proposal.silhouette import LimbOutline, Silhouette, sample_grid
 
-_MOST_STEPS = 200
+_MOST_LEG_STEPS = 200
 """Resource: of the search for a leg's angles."""
 
 
@@ -196,7 +196,7 @@ def fit_leg(
         ])  # fmt: skip
 
     start = np.append(_angles_of(leg, joints, body.heading_deg), np.log(factor))
-    best = least_squares(residuals, start, method="lm", max_nfev=_MOST_STEPS)
+    best = least_squares(residuals, start, method="lm", max_nfev=_MOST_LEG_STEPS)
     places = chain(best.x)
     off = float(np.hypot(*(places[-1] - limb.tip)))
     close = np.mean(sample_grid(outline.ridge, places[1:])) + off

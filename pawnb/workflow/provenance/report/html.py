@@ -13,7 +13,7 @@ import pandas as pd
 from PIL import Image
 
 _PX_PER_INCH = 140.0
-_STYLE = """
+_REPORT_STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 2em auto;
   max-width: 66em; padding: 0 1em; }
 h1 { font-size: 1.6em; } h2 { font-size: 1.25em; margin-top: 2em; border-bottom: 1px solid #ccc; }
@@ -46,7 +46,7 @@ def page(title: str, body: Iterable[str]) -> str:
         HTML that needs no other file but the pictures it names.
     """
     said = text(title)
-    head = f'<meta charset="utf-8"><title>{said}</title><style>{_STYLE}</style>'
+    head = f'<meta charset="utf-8"><title>{said}</title><style>{_REPORT_STYLE}</style>'
     inside = "\n".join(body)
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n'

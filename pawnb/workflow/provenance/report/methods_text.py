@@ -57,7 +57,7 @@ PROGRAMS = {
     "mice. eLife 4: e07892.",
 }
 """What is to be cited for tracks of other programs, by the name that tracks give."""
-_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?!\w)")
+_NUMBER_IN_TEXT = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?!\w)")
 
 
 def methods_paragraphs(
@@ -250,7 +250,7 @@ def count_dropped(dropped: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
     own = dropped.assign(
         why=dropped["why"].astype(str).str.replace(r"\bstride \d+\b", "a stride", regex=True)
     )
-    own["alike"] = own["why"].str.replace(_NUMBER, "#", regex=True)
+    own["alike"] = own["why"].str.replace(_NUMBER_IN_TEXT, "#", regex=True)
     groups = own.groupby([*(name for name in by if name != "why"), "alike"], sort=True)
     counts = groups.agg(why=("why", _together), n=("why", "size")).reset_index()
     return counts[[*by, "n"]].sort_values("n", ascending=False, kind="stable")
@@ -258,9 +258,9 @@ def count_dropped(dropped: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
 
 def _together(reasons: pd.Series) -> str:
     """Return reasons that differ in their numbers only as one, with the range of each number."""
-    numbers = [_NUMBER.findall(reason) for reason in reasons]
+    numbers = [_NUMBER_IN_TEXT.findall(reason) for reason in reasons]
     ranges = iter([_range([float(one) for one in same]) for same in zip(*numbers, strict=True)])
-    return _NUMBER.sub(lambda _: next(ranges), str(reasons.iloc[0]))
+    return _NUMBER_IN_TEXT.sub(lambda _: next(ranges), str(reasons.iloc[0]))
 
 
 def _programs(step: Mapping[str, Any]) -> str:

@@ -24,14 +24,14 @@ from pawnb.workflow.provenance.report.words import FILES, figure_order, figure_w
 
 REPORT_FILE = "report.html"
 
-_TABLES = (
+_REPORT_TABLES = (
     "trials", "groups", "phase_summary", "animals", "legs", "against_speed", "phase_speed",
     "scaling", "expected_exponents", "joint_ranges", "steadiness", "stride_durations",
 )  # fmt: skip
 _P_OF_GROUPS = {
     "p": "p", "p_adjusted": "p, Holm within the measure", "p_all_measures": "p over all measures",
 }  # fmt: skip
-_OF_LEGS = ("leg", "measure", "mean", "ci_low", "ci_high")
+_LEG_COLUMNS = ("leg", "measure", "mean", "ci_low", "ci_high")
 _BY_LEG = "Means over animals, each counted once, with 95 % intervals where there are several."
 _MOST_ROWS = 60
 _BLANK_OF_ONE = (
@@ -140,7 +140,7 @@ def _left_out(dropped: pd.DataFrame) -> str:
 def _tables(run: GaitRun) -> list[str]:
     """Lay out the tables that there are, measures with their units."""
     parts, unit = [], length_unit(run.tables)
-    for name in _TABLES:
+    for name in _REPORT_TABLES:
         path = run.out / f"{name}.csv"
         if not path.exists():
             continue
@@ -186,7 +186,7 @@ def _by_group(values: pd.DataFrame) -> pd.DataFrame:
 
 def _by_leg(values: pd.DataFrame) -> pd.DataFrame:
     """Put the means of measures side by side, a column a leg, with their intervals."""
-    values = values.dropna(subset=["mean"]).reindex(columns=[*_OF_LEGS])
+    values = values.dropna(subset=["mean"]).reindex(columns=[*_LEG_COLUMNS])
     cells = [
         f"{mean:.4g}" + (f" ({low:.4g} to {high:.4g})" if pd.notna(low) and pd.notna(high) else "")
         for mean, low, high in values[["mean", "ci_low", "ci_high"]].itertuples(index=False)

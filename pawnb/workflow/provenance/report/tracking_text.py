@@ -13,7 +13,7 @@ from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.reviewing.quality import assess_quality
 
-_OWN = "pawnb"
+_DEFAULT_METHOD = "pawnb"
 
 
 def tracking_sentences(tracked: Sequence[Tracks]) -> str:
@@ -45,18 +45,20 @@ def tracking_sentences(tracked: Sequence[Tracks]) -> str:
 def _program(tracks: Tracks) -> str:
     """Name what made tracks, and for ours the method and evidence."""
     program = str(tracks.attrs.get("source_software") or "a program that the file does not name")
-    if program != _OWN:
+    if program != _DEFAULT_METHOD:
         return program
     steps = [step for step in provenance_steps(tracks) if step["step"] == "track"]
     told = [f"method {step['method']}" for step in steps[-1:] if step.get("method")]
     if tracks.attrs.get("evidence"):
         told.append(f"evidence {tracks.attrs['evidence']}")
-    return f"{_OWN} ({', '.join(told)})" if told else _OWN
+    return f"{_DEFAULT_METHOD} ({', '.join(told)})" if told else _DEFAULT_METHOD
 
 
 def _by_hand(tracked: Sequence[Tracks]) -> str:
     """Say what share of labels a person placed; nothing of programs that do not record it."""
-    codes = [t["origin"].to_numpy() for t in tracked if t.attrs.get("source_software") == _OWN]
+    codes = [
+        t["origin"].to_numpy() for t in tracked if t.attrs.get("source_software") == _DEFAULT_METHOD
+    ]
     if not codes:
         return ""
     there = sum(int((code != ORIGIN_CODE["missing"]).sum()) for code in codes)
@@ -99,7 +101,7 @@ def _verdicts(tracked: Sequence[Tracks]) -> str:
     """Give the verdicts on tracks that pawnb made."""
     found: list[Quality] = []
     for tracks in tracked:
-        if tracks.attrs.get("source_software") == _OWN and "image_position" in tracks:
+        if tracks.attrs.get("source_software") == _DEFAULT_METHOD and "image_position" in tracks:
             try:
                 found.append(assess_quality(tracks))
             except InputError:

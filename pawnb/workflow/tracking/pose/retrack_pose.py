@@ -37,7 +37,7 @@ _MET_FRAMES = 10
 """The new track has met the old one after so many frames in a row on it, as for paws."""
 _MET_SHARE = 0.02
 """Joints and body within this share of the leg span are the same: twice what a tip may be off."""
-_BESIDE = 10
+_FRAMES_BESIDE = 10
 """Joints in space are found in so many frames more on either side of what is new, so that heights
 join those beside: a frame's heights are fitted with those of two frames on either side."""
 _FIRST_REACH = 100
@@ -232,7 +232,9 @@ def _whole(
     """Return Tracks of all rows, of which only ``rows`` are new."""
     rig, space = load_second(trial, views), None
     if rig is not None:
-        about = range(max(0, rows.start - _BESIDE), min(len(track), rows.stop + _BESIDE))
+        about = range(
+            max(0, rows.start - _FRAMES_BESIDE), min(len(track), rows.stop + _FRAMES_BESIDE)
+        )
         space, track = find_in_space(
             trial, views, track, animal=animal, rig=rig,
             settings=space_settings_of_tracks(trial, tracks),

@@ -136,7 +136,7 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
         return plain(state, k)
 
     monkeypatch.setattr(pipeline, "_with_neighbours", with_neighbours)
-    monkeypatch.setattr(retrack_pose, "_BESIDE", 3)
+    monkeypatch.setattr(retrack_pose, "_FRAMES_BESIDE", 3)
     again = retrack(load_trial(two_views), wrong, int(numbers[18]))
     begin, end = provenance_steps(again)[-1]["frames"]
     assert begin <= numbers[16]

@@ -15,7 +15,7 @@ from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.rig import Rig
 from pawnb.core.sightlines import find_fundamental_matrix
 
-_REACH_SDS, _STEPS = 4.5, 64
+_REACH_SDS, _STEPS_A_SD = 4.5, 64
 """Numerics: across a line its support is in a table, so far and in so many steps a standard
 deviation; beyond it is below exp(-10)."""
 
@@ -91,9 +91,9 @@ class _Drawn:
         sd: float,
     ) -> None:
         self.stack, self.told = stack, told
-        reach = int(_REACH_SDS * _STEPS)
-        self.step, self.middle = _STEPS / sd, reach
-        across = np.exp(-0.5 * (np.arange(-reach, reach + 1) / _STEPS) ** 2)
+        reach = int(_REACH_SDS * _STEPS_A_SD)
+        self.step, self.middle = _STEPS_A_SD / sd, reach
+        across = np.exp(-0.5 * (np.arange(-reach, reach + 1) / _STEPS_A_SD) ** 2)
         self.profile = across.astype(np.float32)[None]
 
     def __call__(self, row: int, factor: np.ndarray) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import AssociationParameters
 
-_TINY = 1e-20
+_TINY_CHANCE = 1e-20
 """Guard: against division by zero."""
 
 
@@ -82,7 +82,7 @@ def smooth_posterior(
     filtered[0] = _normalised(prior * likelihood[0])
     for t in range(1, n):
         mass = carried(filtered[t - 1], backward[t - 1])
-        kept = (1 - parameters.lost) / (_total(mass) + _TINY)
+        kept = (1 - parameters.lost) / (_total(mass) + _TINY_CHANCE)
         mass = cv2.addWeighted(mass, kept, prior, parameters.lost, 0)
         filtered[t] = _normalised(cv2.multiply(mass, likelihood[t], dst=mass))
     to_come = np.full((h, w), 1 / (h * w), np.float32)
@@ -104,7 +104,7 @@ def _overlap(before: np.ndarray, after: np.ndarray) -> float:
 
 def _normalised(mass: np.ndarray) -> np.ndarray:
     """Return float32 that sums to 1; ``mass`` is changed."""
-    mass *= np.float32(1 / (_total(mass) + _TINY))
+    mass *= np.float32(1 / (_total(mass) + _TINY_CHANCE))
     return mass
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.paws.offline.quality.measures import largest_distance
 
-_SURE = 1 - 1e-6
+_MOST_CHANCE = 1 - 1e-6
 """Guard: chances of 1 on one place would leave nothing to compare."""
 
 
@@ -52,7 +52,7 @@ def shared_places(x: FloatArray, chance: FloatArray, nearest: float) -> FloatArr
     near = np.linalg.norm(x[:, :, None] - x[:, None], axis=-1) < nearest
     own = np.arange(x.shape[1])
     near[:, own, own] = True
-    p = np.clip(np.nan_to_num(chance), 0.0, _SURE)
+    p = np.clip(np.nan_to_num(chance), 0.0, _MOST_CHANCE)
     odds = p / (1 - p)
     total = (near * odds[:, None]).sum(axis=2)
     # w / (1 + total) / p, with p = w / (1 + w)

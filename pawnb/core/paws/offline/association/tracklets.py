@@ -12,7 +12,7 @@ from pawnb.arrays import Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
-_NEIGHBOURS: np.ndarray = np.ones((3, 3), np.uint8)
+_NINE_PIXELS: np.ndarray = np.ones((3, 3), np.uint8)
 """Layout: the neighbours of a place."""
 _ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
 """Layout: steps to them."""
@@ -78,7 +78,7 @@ def find_candidates(
     """
     apart = parameters.apart * radius
     smooth = cv2.GaussianBlur(score, (0, 0), LINKS.peak_blur)
-    left = np.where(smooth >= cv2.dilate(smooth, _NEIGHBOURS), smooth, 0)
+    left = np.where(smooth >= cv2.dilate(smooth, _NINE_PIXELS), smooth, 0)
     h, w = left.shape
     found = [np.asarray(place, float) for place in sure]
 

@@ -14,7 +14,7 @@ from pawnb.core.paws.offline.parameters import AppearanceParameters
 Classifier = Callable[[np.ndarray], np.ndarray]
 """Features (m, F) to probabilities (m, 1 + P) of no point and of each."""
 
-_TINY = 1e-8
+_ADAM_EPSILON = 1e-8
 """Guard: against division by zero, as Kingma & Ba (2015) propose it."""
 
 
@@ -75,7 +75,7 @@ def train_classifier(
         See :data:`Classifier`.
     """
     mean, scale = features.mean(axis=0, dtype=float), features.std(axis=0, dtype=float)
-    scale[scale < _TINY] = 1.0
+    scale[scale < _ADAM_EPSILON] = 1.0
     classes, numbers = np.unique(labels, return_inverse=True)
     scaled = np.ascontiguousarray((features - mean) / scale, np.float32)
     networks = _train(scaled, numbers.ravel(), len(classes), parameters)
@@ -130,7 +130,7 @@ def _train(
         first += (1 - decay) * (gradient - first)
         second += (1 - decay_square) * (gradient * gradient - second)
         rate = LEARNT.learning_rate * np.sqrt(1 - decay_square**step) / (1 - decay**step)
-        vector -= np.float32(rate) * first / (np.sqrt(second) + np.float32(_TINY))
+        vector -= np.float32(rate) * first / (np.sqrt(second) + np.float32(_ADAM_EPSILON))
     return networks
 
 

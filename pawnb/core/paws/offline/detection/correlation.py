@@ -28,7 +28,7 @@ from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import CorrelationParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
-_TINY, _FLAT, _EVEN, _MOST_LOG = 1e-6, 1e-2, 1e-3, 50.0
+_TINY_NORM, _FLAT, _EVEN_SCORES, _MOST_LOG = 1e-6, 1e-2, 1e-3, 50.0
 """Guard: least norm of a patch, variance of grey values and standard deviation of scores, as what
 is flat correlates with nothing; largest exponent."""
 
@@ -210,7 +210,7 @@ def _score(
     others = z[elsewhere]
     if not len(others):
         return None
-    z = (z - others.mean()) / max(float(others.std()), _EVEN)
+    z = (z - others.mean()) / max(float(others.std()), _EVEN_SCORES)
     return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
 
 
@@ -234,7 +234,7 @@ def _best_correlation(part: ByteArray, patches: Sequence[ByteArray]) -> FloatArr
         own = patch.astype(np.float32)
         own -= own.mean()
         # the patch has no mean, and what is alike has no variance
-        own /= np.linalg.norm(own) + _TINY
+        own /= np.linalg.norm(own) + _TINY_NORM
         both = cv2.mulSpectrums(picture, _transformed(own, size), 0, conjB=True)
         # what goes round the edge lies beyond the places at which a whole patch has room
         product = cv2.idft(both, flags=cv2.DFT_SCALE)[:height, :width]

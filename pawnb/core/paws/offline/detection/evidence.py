@@ -56,7 +56,7 @@ class Detections:
         )
 
 
-class Evidence(Protocol):
+class EvidenceKind(Protocol):
     """A kind of evidence of its own, for example another program's predictions.
 
     Offer it as an entry point of the group ``pawnb.evidence``: a class that can be called
@@ -89,7 +89,7 @@ class Evidence(Protocol):
         ...
 
 
-def installed_evidence() -> list[Evidence]:
+def installed_evidence() -> list[EvidenceKind]:
     """Return the kinds of evidence that other installed packages offer.
 
     Raises
@@ -97,7 +97,7 @@ def installed_evidence() -> list[Evidence]:
     InputError
         If one of them cannot be loaded.
     """
-    kinds: list[Evidence] = []
+    kinds: list[EvidenceKind] = []
     for entry in entry_points(group=ENTRY_POINTS):
         try:
             kinds.append(entry.load()())

@@ -33,7 +33,7 @@ from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.pixels.grey import grey, has_colour
 
-_CODE = ("classifier.py", "features.py", "paw_appearance.py")
+_CODE_OF_APPEARANCE = ("classifier.py", "features.py", "paw_appearance.py")
 """What kept detections depend on besides what was learnt from."""
 
 
@@ -269,7 +269,7 @@ def with_paw_looks(
     random = np.random.default_rng(0)
     lots = [lot for p in pictures for lot in _lots(p, readings[p.view], random, parameters)]
     features, labels = (np.concatenate(part) for part in zip(*lots, strict=True))
-    learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE).encode()
+    learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE_OF_APPEARANCE).encode()
     how = repr(parameters).encode()
     key = hashlib.sha256(learnt_from + how + features.tobytes() + labels.tobytes()).hexdigest()
     classifier = train_classifier(features, labels, n_points=1, parameters=parameters)

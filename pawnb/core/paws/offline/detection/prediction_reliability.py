@@ -30,10 +30,10 @@ STEP_EDGES = (1.0, 2.0, 3.0)
 ``PREDICTIONS.counts_of_steps`` are of these kinds."""
 EXCHANGE = len(STEP_EDGES) + 1
 """Definition: a further kind of step: places are exchanged with another point."""
-UNKNOWN = EXCHANGE + 1
+UNKNOWN_STATE = EXCHANGE + 1
 """Definition: another one: there is nothing to step from."""
 
-RIGHT, ASTRAY, ELSEWHERE, MISTAKEN = 0, 1, 2, 3
+RIGHT_STATE, ASTRAY, ELSEWHERE, MISTAKEN = 0, 1, 2, 3
 """Definition: numbers of the states."""
 
 _STEP_OF = np.array([[0, 1, 2, 2], [1, 1, 1, 1], [2, 1, 0, 2], [2, 1, 2, 0]])
@@ -89,12 +89,12 @@ def estimate_rates(kinds: IntArray, state: FloatArray, pairs: FloatArray) -> Rat
     change, likelihoods, steps = _counts()
     change += pairs.sum(axis=0)
     seen = kinds >= 0
-    for one in (RIGHT, ASTRAY, ELSEWHERE, MISTAKEN):
+    for one in (RIGHT_STATE, ASTRAY, ELSEWHERE, MISTAKEN):
         likelihoods[one % MISTAKEN] += np.bincount(
             kinds[seen], weights=state[seen, one], minlength=likelihoods.shape[1]
         )
     for of in range(len(steps)):
-        steps[of] += pairs[:UNKNOWN, of == _STEP_OF].sum(axis=1)
+        steps[of] += pairs[:UNKNOWN_STATE, of == _STEP_OF].sum(axis=1)
     return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (change, likelihoods, steps)))
 
 
@@ -141,10 +141,13 @@ def smooth_states(
     """
     n, n_points = kinds.shape
     counts = np.array([1.0, 1.0, 1.0 / rates.stays_wrong, 1.0])
-    relative = rates.likelihoods[[RIGHT, ASTRAY, ELSEWHERE, RIGHT]] / rates.likelihoods[RIGHT]
+    relative = (
+        rates.likelihoods[[RIGHT_STATE, ASTRAY, ELSEWHERE, RIGHT_STATE]]
+        / rates.likelihoods[RIGHT_STATE]
+    )
     seen = (relative ** counts[:, None])[:, kinds].transpose(1, 2, 0)
     seen = np.where((kinds >= 0)[..., None], seen, 1.0)
-    seen[..., RIGHT] *= at_clicks
+    seen[..., RIGHT_STATE] *= at_clicks
     change = rates.with_steps()[steps]
     ahead, back = np.empty((n, n_points, 4)), np.ones((n, n_points, 4))
     ahead[0] = _to_one(np.array(PREDICTIONS.at_first) * seen[0])
@@ -155,7 +158,7 @@ def smooth_states(
         back[t] = _to_one(np.matmul(change[t + 1], to_come[..., None])[..., 0])
     both = ahead[:-1, ..., None] * change[1:] * (seen[1:] * back[1:])[..., None, :]
     both /= np.maximum(both.sum(axis=(2, 3), keepdims=True), 1e-300)
-    pairs = np.stack([both[steps[1:] == kind].sum(axis=0) for kind in range(UNKNOWN + 1)])
+    pairs = np.stack([both[steps[1:] == kind].sum(axis=0) for kind in range(UNKNOWN_STATE + 1)])
     return _to_one(ahead * back), pairs
 
 

@@ -32,9 +32,9 @@ from pawnb.core.paws.offline.detection.parameters import PREDICTIONS
 from pawnb.core.paws.offline.detection.prediction_reliability import (
     EXCHANGE,
     LIKELIHOOD_EDGES,
-    RIGHT,
+    RIGHT_STATE,
     STEP_EDGES,
-    UNKNOWN,
+    UNKNOWN_STATE,
     estimate_rates,
     first_rates,
     smooth_states,
@@ -163,9 +163,11 @@ def judge_predictions(
     for _ in range(PREDICTIONS.rounds):
         at_clicks = _at_clicks(uv, annotations, sd=sd, extent=extent)
         state, pairs = smooth_states(kinds, steps, at_clicks=at_clicks, rates=rates)
-        sd = _estimate_sd(apart, state[..., RIGHT], extent)
+        sd = _estimate_sd(apart, state[..., RIGHT_STATE], extent)
         rates = estimate_rates(kinds, state, pairs)
-    return PredictionQuality(np.where(there, state[..., RIGHT], 0.0), sd, rates.stays_wrong, extent)
+    return PredictionQuality(
+        np.where(there, state[..., RIGHT_STATE], 0.0), sd, rates.stays_wrong, extent
+    )
 
 
 def find_extent(uv: FloatArray, annotations: Annotations, size: tuple[int, int]) -> float:
@@ -216,7 +218,7 @@ def _kinds_of_steps(uv: FloatArray, extent: float) -> IntArray:
     )
     mostly = np.clip(mostly, PREDICTIONS.least_step * extent, PREDICTIONS.most_step * extent)
     known = (gap > 0) & (gap <= PREDICTIONS.step_gap)
-    kinds = np.full((n, n_points), UNKNOWN)
+    kinds = np.full((n, n_points), UNKNOWN_STATE)
     kinds[known] = np.digitize(straight[known] / (mostly * gap[known]), STEP_EDGES)
     for a in range(n_points):
         for b in range(a):

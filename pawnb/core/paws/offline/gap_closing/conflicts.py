@@ -16,7 +16,7 @@ from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
-_VIEWS = 2
+_LEAST_VIEWS = 2
 """Definition: so many views tell a place in space; in one alone points meet that do not meet
 there."""
 
@@ -103,7 +103,7 @@ def _share(one: ClosedGap, other: ClosedGap) -> bool:
         return False
     mine, theirs = _together(one, other)
     a, b = one.taken[mine], other.taken[theirs]
-    return bool((((a == b) & (a >= 0)).sum(axis=1) >= _VIEWS).any())
+    return bool((((a == b) & (a >= 0)).sum(axis=1) >= _LEAST_VIEWS).any())
 
 
 def _together(one: ClosedGap, other: ClosedGap) -> tuple[IntArray, IntArray]:

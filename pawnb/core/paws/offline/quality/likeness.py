@@ -17,7 +17,7 @@ from pawnb.core.paws.superpixels import FramePixels
 from pawnb.core.pixels.grey import grey
 from pawnb.schema import Tracks
 
-_EVEN = 1e-3
+_EVEN_GREY = 1e-3
 """Guard: grey values that differ by less are even, and have no correlation."""
 
 
@@ -54,7 +54,7 @@ def measure_likeness(views: Views, tracks: Tracks, clicks: pd.DataFrame) -> np.n
         ):
             v, p = names.index(view), points.index(point)
             what = _about(pictures[view], uv, sizes[v], body=labels.body_px[v], spare=0)
-            if what is not None and what.std() > _EVEN:
+            if what is not None and what.std() > _EVEN_GREY:
                 clicked.setdefault((v, p), []).append(what)
     frames = tracks["frame"].to_numpy()
     rows = np.flatnonzero(~np.isin(frames, clicks["frame"]))
@@ -105,7 +105,7 @@ def _about(
 def _correlation(where: np.ndarray, pattern: np.ndarray) -> float:
     """Return the largest correlation of a pattern with any place of a picture."""
     # an even picture has no correlation with anything
-    if where.std() <= _EVEN:
+    if where.std() <= _EVEN_GREY:
         return 0.0
     values = cv2.matchTemplate(where, pattern, cv2.TM_CCOEFF_NORMED)
     return float(np.nanmax(np.where(np.isfinite(values), values, 0.0)))

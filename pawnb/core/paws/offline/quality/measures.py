@@ -30,7 +30,7 @@ NaN where it was not measured (:mod:`.likeness`)."""
 
 _ROUNDS = 30
 """Numerics: rounds of a fixed-point iteration."""
-_MOST_FRAMES = 1000
+_MOST_MEASURED_FRAMES = 1000
 """Resource: the usual size is the median of so many frames, spread evenly."""
 
 
@@ -118,7 +118,7 @@ def usual_span(places: np.ndarray) -> float:
         In their unit; NaN where no frame has two.
     """
     # the median of so many frames is that of all of them
-    few = np.unique(np.linspace(0, max(len(places) - 1, 0), _MOST_FRAMES).astype(int))
+    few = np.unique(np.linspace(0, max(len(places) - 1, 0), _MOST_MEASURED_FRAMES).astype(int))
     spans = np.array([largest_distance(places[t]) for t in few if t < len(places)])
     known = spans[np.isfinite(spans)]
     return float(np.median(known)) if len(known) else np.nan

@@ -23,7 +23,7 @@ from pawnb.core.paws.offline.self_training.learnt import Earlier, Learnt, learnt
 from pawnb.core.paws.offline.self_training.weighing import Powers, Weighing
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks
 
-TRUST, MOTION, LEFT_OUT = "appearance_trust", "motion_trust", "left_out_offsets"
+TRUST, MOTION_STATE, LEFT_OUT = "appearance_trust", "motion_trust", "left_out_offsets"
 """Attributes of tracks: how far appearance and motion were trusted beside the other kinds of
 evidence, and what clicks that were left out say of each point (:class:`.weighing.Weighing`)."""
 
@@ -170,7 +170,7 @@ def weighing_as_attributes(weighing: Weighing, points: Sequence[str]) -> dict[st
 
     Attributes of files of tracks are numbers and text: offsets are written as JSON.
     """
-    powers = {TRUST: float(weighing.powers.appearance), MOTION: float(weighing.powers.motion)}
+    powers = {TRUST: float(weighing.powers.appearance), MOTION_STATE: float(weighing.powers.motion)}
     offsets = {points[p]: round(own, 4) for p, own in weighing.offsets.items()}
     return {**powers, LEFT_OUT: json.dumps(offsets)}
 
@@ -186,7 +186,7 @@ def weighing_of(tracks: Tracks, points: Sequence[str]) -> Weighing:
         Points, in the order of their numbers.
     """
     powers = Powers(
-        float(tracks.attrs.get(TRUST, APPEARANCE.trust)), float(tracks.attrs.get(MOTION, 1.0))
+        float(tracks.attrs.get(TRUST, APPEARANCE.trust)), float(tracks.attrs.get(MOTION_STATE, 1.0))
     )
     offsets = json.loads(tracks.attrs.get(LEFT_OUT, "{}"))
     return Weighing(powers, {p: offsets[name] for p, name in enumerate(points) if name in offsets})

@@ -21,7 +21,7 @@ from pawnb.core.paws.offline.scene.registration.body_frame import ViewBodyFrame,
 _KEPT_BYTES = 2e9
 """Resource: pictures are kept until the body's frame is known, up to so much: those of 1000 frames
 of four colour views of 2048 x 700 px in which the animal is 700 px long."""
-_NOTHING = np.empty((0, 0), np.uint8)
+_EMPTY_PICTURE = np.empty((0, 0), np.uint8)
 """Layout: a picture whose memory was given back."""
 
 
@@ -258,7 +258,7 @@ class _Crops:
     def stack(self) -> BodyStack:
         """Return what was taken, with its flow."""
         for i in range(len(self.kept)):
-            picture, self.kept[i] = self.kept[i], _NOTHING  # its memory is given back
+            picture, self.kept[i] = self.kept[i], _EMPTY_PICTURE  # its memory is given back
             self._crop(picture)
         grey = np.stack(self.grey)
         low, high = np.percentile(grey[::5], CAMERA.percentiles)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.compiled import compiled
-
-_THIRD = (-1.0, 3.0, -3.0, 1.0)
-"""Mathematics: weights of the third difference."""
+from pawnb.core.paws.offline.smoothing.smoother_kernels import THIRD_DIFFERENCE
 
 
 @compiled
@@ -44,9 +42,9 @@ def predict(
             for i in range(d):
                 w = 1.0 / jerk2[t - 2, p, i]
                 for j in range(4):
-                    b[j * d + i] += _THIRD[j] * w * jerk_mean[t - 2, p, i]
+                    b[j * d + i] += THIRD_DIFFERENCE[j] * w * jerk_mean[t - 2, p, i]
                     for k in range(4):
-                        A[j * d + i, k * d + i] += _THIRD[j] * _THIRD[k] * w
+                        A[j * d + i, k * d + i] += THIRD_DIFFERENCE[j] * THIRD_DIFFERENCE[k] * w
             _eliminate(A, b, d)
             _take(A, b, d, B, c)
             _eliminate(B, c, 2 * d)

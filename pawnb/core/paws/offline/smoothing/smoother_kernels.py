@@ -10,7 +10,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 
-_THIRD = (-1.0, 3.0, -3.0, 1.0)
+THIRD_DIFFERENCE = (-1.0, 3.0, -3.0, 1.0)
 """Mathematics: weights of the third difference."""
 
 
@@ -47,9 +47,11 @@ def smooth(
         for i in range(d):
             w = 1.0 / jerk2[t, i]
             for k in range(4):
-                x[t - 1 + k, i] += _THIRD[k] * w * jerk_mean[t, i]
+                x[t - 1 + k, i] += THIRD_DIFFERENCE[k] * w * jerk_mean[t, i]
                 for later in range(k, 4):
-                    band[(t - 1 + k) * d + i, (later - k) * d] += _THIRD[k] * _THIRD[later] * w
+                    band[(t - 1 + k) * d + i, (later - k) * d] += (
+                        THIRD_DIFFERENCE[k] * THIRD_DIFFERENCE[later] * w
+                    )
     largest = 0.0
     for j in range(n * d):
         largest = max(largest, band[j, 0])

@@ -18,7 +18,7 @@ from pawnb.core.parameters import changed_in_force, values_in_force
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import annotations_of_view
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections, InFrames
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.detection.paw_appearance import (
@@ -123,7 +123,7 @@ def track_by_strides(
     scene = store.recall(learnt_from)
     if scene is None:
         scene = _learn_scene(views, _as_begun(paws), task, settings, parameters)
-    seen: list[list[Detections]] = []
+    seen: list[list[ColourDetections]] = []
     if scene is not None:
         seen = scan_and_follow(
             views, span, scene, follower=follower, anchors=asked.anchors, store=store,
@@ -218,7 +218,7 @@ def _part(task: TrackingRequest, round_: int) -> TrackingRequest:
 
 def _with_predictions(
     seen: InFrames, scene: Scene, paws: Annotated, task: TrackingRequest
-) -> list[list[Detections]]:
+) -> list[list[ColourDetections]]:
     """Return detections with places that another program predicts where none was seen."""
     found = [list(here) for here in seen]
     layout, first = paws.layout, task.frames[0]
@@ -236,23 +236,25 @@ def _with_predictions(
     return found
 
 
-def _as_detections(uv: np.ndarray, likely: np.ndarray, scene: Scene, view: int) -> Detections:
+def _as_detections(uv: np.ndarray, likely: np.ndarray, scene: Scene, view: int) -> ColourDetections:
     """Return places as detections."""
     detector = scene.detectors[view]
     ahead = np.broadcast_to(
         np.asarray(detector.limb_direction) * detector.reach * detector.shrink, uv.shape
     )
-    return Detections.of(
+    return ColourDetections.of(
         uv, direction=ahead, coverage=np.zeros(len(uv)), score=0.5 + 2.0 * likely, tip=uv
     )
 
 
-def _joined(own: Detections, new: Detections, scene: Scene, view: int) -> Detections:
+def _joined(
+    own: ColourDetections, new: ColourDetections, scene: Scene, view: int
+) -> ColourDetections:
     """Return detections with those of ``new`` that are not within a paw width of one."""
     if not len(new):
         return own
     away = np.linalg.norm(new.uv[:, None] - own.uv, axis=-1)
     free = new.take((away > scene.paw_width_px[view]).all(axis=1))
-    every = Detections.joined([own, free])
+    every = ColourDetections.joined([own, free])
     score = endpoint_score(every, scene.detectors[view].limb_direction)
     return every.take(np.argsort(-score, kind="stable"))

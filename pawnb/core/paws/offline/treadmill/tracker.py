@@ -14,7 +14,7 @@ from pawnb.core.paws.layout import (
     Views,
 )
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.scan import scan_video
 from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, track_backwards
 from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
@@ -213,7 +213,7 @@ def scan_and_follow(
     anchors: Mapping[int, Sequence[Placement]],
     store: DetectionCache | None,
     task: TrackingRequest,
-) -> list[list[Detections]]:
+) -> list[list[ColourDetections]]:
     """Go through the video for paws and landmarks; return the paws' detections.
 
     There are none if it was stopped before every point was reached: nothing can be decided.
@@ -237,7 +237,7 @@ def scan_and_follow(
 
     Returns
     -------
-    list of list of Detections
+    list of list of ColourDetections
         For each frame, the detections of each view.
     """
     found = _scan_forwards(views, frames, scene, follower, store, task)
@@ -258,7 +258,7 @@ def _scan_forwards(
     follower: TemplateTracker | None,
     store: DetectionCache | None,
     task: TrackingRequest,
-) -> list[list[Detections]]:
+) -> list[list[ColourDetections]]:
     """Go through the video once, forwards; return the paws' detections of every frame."""
     progress, total = task.progress, frames[1] - frames[0]
     if follower is not None:
@@ -270,7 +270,7 @@ def _scan_forwards(
             views, frames, detectors=scene.detectors, rois=scene.rois, home=scene.home,
             store=store, watch=watch, progress=report, stop=task.stop,
         )  # fmt: skip
-    found: list[list[Detections]] = []
+    found: list[list[ColourDetections]] = []
     for i, pictures in views.frames(*frames, partly=True):
         if task.stop is not None and task.stop():
             break
@@ -283,7 +283,7 @@ def _scan_forwards(
 
 
 def solve(
-    seen: list[list[Detections]],
+    seen: list[list[ColourDetections]],
     scene: Scene,
     asked: Annotated,
     *,
@@ -294,7 +294,7 @@ def solve(
 
     Parameters
     ----------
-    seen : list of list of Detections
+    seen : list of list of ColourDetections
         For each frame, the detections of each view.
     scene : Scene
         Views and animal.
@@ -323,7 +323,7 @@ def solve(
 
 
 def _reference_annotations(
-    seen: list[list[Detections]], certain: FloatArray, asked: Annotated
+    seen: list[list[ColourDetections]], certain: FloatArray, asked: Annotated
 ) -> ReferenceAnnotations:
     """Return the clicks that say where on a paw its point is, with what was seen there.
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import (
     NOTHING,
@@ -22,7 +22,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import (
 
 @compiled_loosely
 def leg_footprint(
-    layout: Layout,
+    layout: PoseLayout,
     pose: np.ndarray,
     leg: int,
     image_evidence: ImageEvidence,
@@ -106,8 +106,8 @@ def shared_cost(
 
 @compiled_loosely
 def paint_base(
-    layout: Layout, pose: np.ndarray, blur: float, image_evidence: ImageEvidence, value: np.ndarray,
-    owner: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, blur: float, image_evidence: ImageEvidence,
+    value: np.ndarray, owner: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint the body alone."""
     clear(value, owner)
@@ -148,7 +148,7 @@ def free_of_others(
 
 @compiled_loosely
 def leg_support(
-    layout: Layout,
+    layout: PoseLayout,
     joints: np.ndarray,
     leg: int,
     image_evidence: ImageEvidence,

@@ -82,11 +82,11 @@ class LegCandidates:
     def record(self) -> dict[str, Any]:
         """Return all but the picture, as plain values and arrays."""
         out = {"pose": self.pose, "box": self.box}
-        out |= {name: list(getattr(self, name)) for name in _OF_LEGS}
+        out |= {name: list(getattr(self, name)) for name in _LEG_FIELDS}
         return out | {name: [[*k, v] for k, v in getattr(self, name).items()] for name in _OF_PAIRS}
 
 
-_OF_LEGS = ("legs", "joints", "worth", "unlikely", "alternatives")
+_LEG_FIELDS = ("legs", "joints", "worth", "unlikely", "alternatives")
 _OF_PAIRS = ("shared", "crossed")
 
 
@@ -113,7 +113,7 @@ def recalled(
     """
     box = tuple(record["box"])
     candidates = only_candidate(fitter, frame, record["pose"], image=image, box=box)
-    found: dict[str, Any] = {name: tuple(record[name]) for name in _OF_LEGS}
+    found: dict[str, Any] = {name: tuple(record[name]) for name in _LEG_FIELDS}
     found |= {name: {(a, b): costs for a, b, costs in record[name]} for name in _OF_PAIRS}
     return replace(candidates, **found)
 

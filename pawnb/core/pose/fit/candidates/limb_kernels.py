@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.core.compiled import compiled_inside, compiled_loosely
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
 from pawnb.core.sorting_kernels import ascending
 
-_FAR = 1e18
+_UNREACHABLE = 1e18
 """Guard: farther than anything, squared px."""
 
 
@@ -61,7 +61,7 @@ def sample(seen: np.ndarray, u: float, v: float) -> float:
 
 @compiled_inside
 def follow_link(
-    layout: Layout, leg: int, link: int, start: np.ndarray, forwards: float, shorter: float,
+    layout: PoseLayout, leg: int, link: int, start: np.ndarray, forwards: float, shorter: float,
     heading: float, seen: np.ndarray, box: np.ndarray, search: LimbSearch, end: np.ndarray,
 ) -> float:  # fmt: skip
     """Return the support of one link laid from ``start``, px; write where it ends."""
@@ -88,14 +88,14 @@ def follow_link(
 
 @compiled_loosely
 def find_limbs(
-    layout: Layout, pose: np.ndarray, leg: int, seen: np.ndarray, box: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, leg: int, seen: np.ndarray, box: np.ndarray,
     prior: Prior, search: LimbSearch, most: int, apart: float,
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return ways to lay a leg on dark pixels, best first.
 
     Parameters
     ----------
-    layout, pose : Layout, ndarray
+    layout, pose : PoseLayout, ndarray
         The animal; of the pose only the body is used.
     leg : int
         Which leg.
@@ -194,7 +194,7 @@ def _unlike(
 @compiled_loosely
 def point_to_chain(u: float, v: float, chain: np.ndarray, n: int) -> float:
     """Return the squared distance of a place to a chain of n segments."""
-    best = _FAR
+    best = _UNREACHABLE
     for s in range(n):
         du, dv = chain[s + 1, 0] - chain[s, 0], chain[s + 1, 1] - chain[s, 1]
         square = max(du * du + dv * dv, 1e-9)

@@ -11,7 +11,7 @@ import numpy as np
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look_equations
 from pawnb.core.pose.fit.learning.body_equations import BodyEquations
 from pawnb.core.pose.fit.learning.parameters import LEARNING
@@ -25,25 +25,25 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint, pict
 
 
 def learn_appearance(
-    layout: Layout,
+    layout: PoseLayout,
     frames: Sequence[tuple[np.ndarray, ImageEvidence]],
     *,
-    first: Layout,
+    first: PoseLayout,
     partner: IntArray,
     prior: Prior,
     blur: float,
     soft: float,
     rounds: int | None = None,
-) -> Layout:
+) -> PoseLayout:
     """Return the layout with thickness and darkness as the pictures have them.
 
     Parameters
     ----------
-    layout : Layout
+    layout : PoseLayout
         The animal as known so far.
     frames : sequence of (ndarray, ImageEvidence)
         Frames whose pose is known.
-    first : Layout
+    first : PoseLayout
         The animal as the species file has it: where the pictures say little, thickness stays
         near its.
     partner : ndarray of int, shape (legs,)
@@ -57,7 +57,7 @@ def learn_appearance(
 
     Returns
     -------
-    Layout
+    PoseLayout
         Lengths and places are unchanged, except the sizes of the body's parts.
     """
     known = _Known(first, partner, prior, blur, soft)
@@ -108,7 +108,7 @@ def fit_appearance(
 class _Known:
     """What stays the same while an appearance is learnt; see :func:`learn_appearance`."""
 
-    first: Layout
+    first: PoseLayout
     partner: IntArray
     prior: Prior
     blur: float
@@ -123,7 +123,7 @@ class _Step:
     ----------
     cost : float
         Of the appearance and poses before it.
-    appearance : Layout
+    appearance : PoseLayout
         After the whole step.
     moves : list of ndarray, shape (n_parameters,)
         Of the pose of each frame.
@@ -132,7 +132,7 @@ class _Step:
     """
 
     cost: float
-    appearance: Layout
+    appearance: PoseLayout
     moves: list[FloatArray]
     body: BodyEquations
 
@@ -147,7 +147,9 @@ class _OfFrame:
     pose: tuple[FloatArray, FloatArray]
 
 
-def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known) -> _Step:
+def _step(
+    layout: PoseLayout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known
+) -> _Step:
     """Return the step that the equations of all frames lead to."""
     body = BodyEquations(layout.ellipse, known.first.ellipse, len(frames))
     said = on_threads(lambda frame: _of_frame(layout, frame, known, body.meets), frames)
@@ -163,7 +165,7 @@ def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known:
 
 
 def _of_frame(
-    layout: Layout, frame: tuple[FloatArray, ImageEvidence], known: _Known, meets: FloatArray
+    layout: PoseLayout, frame: tuple[FloatArray, ImageEvidence], known: _Known, meets: FloatArray
 ) -> _OfFrame:
     """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
     pose, image_evidence = frame
@@ -183,7 +185,7 @@ def _of_frame(
 
 
 def _pose_equations(
-    layout: Layout,
+    layout: PoseLayout,
     frame: tuple[FloatArray, ImageEvidence],
     known: _Known,
     canvas: tuple[np.ndarray, ...],
@@ -201,7 +203,7 @@ def _pose_equations(
 
 
 def _painted(
-    layout: Layout, pose: FloatArray, image_evidence: ImageEvidence, known: _Known
+    layout: PoseLayout, pose: FloatArray, image_evidence: ImageEvidence, known: _Known
 ) -> tuple[tuple[np.ndarray, ...], float]:
     """Return the painted canvas of a frame, and what picture and pose cost."""
     canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
@@ -212,14 +214,16 @@ def _painted(
     return canvas, cost + prior_cost(pose, known.prior, np.arange(len(pose)))
 
 
-def _appearance_cost(layout: Layout, known: _Known, body: BodyEquations, n_frames: int) -> float:
+def _appearance_cost(
+    layout: PoseLayout, known: _Known, body: BodyEquations, n_frames: int
+) -> float:
     """Return what an appearance costs by itself."""
     return _prior_cost(layout, known.first, n_frames) + body.prior_cost(layout.ellipse)
 
 
 def _taken(
-    layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], step: _Step, share: float
-) -> tuple[Layout, list[tuple[np.ndarray, ImageEvidence]]]:
+    layout: PoseLayout, frames: list[tuple[np.ndarray, ImageEvidence]], step: _Step, share: float
+) -> tuple[PoseLayout, list[tuple[np.ndarray, ImageEvidence]]]:
     """Return appearance and frames after a share of a step."""
 
     def between(now: FloatArray, then: FloatArray) -> FloatArray:
@@ -240,7 +244,7 @@ def _taken(
 
 
 def _helpful_share(
-    layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known, step: _Step
+    layout: PoseLayout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known, step: _Step
 ) -> float:
     """Return the largest share of a step, halved again and again, that makes the cost fall; or 0.
 
@@ -257,13 +261,13 @@ def _helpful_share(
 
 
 def learn_legs(
-    layout: Layout,
-    first: Layout,
+    layout: PoseLayout,
+    first: PoseLayout,
     partner: IntArray,
     *,
     equations: tuple[FloatArray, FloatArray],
     n_frames: int,
-) -> Layout:
+) -> PoseLayout:
     """Return the layout with legs as thick and dark as one step of the equations has them.
 
     Parameters
@@ -277,7 +281,7 @@ def learn_legs(
 
     Returns
     -------
-    Layout
+    PoseLayout
         The body is unchanged.
     """
     matrix, vector = equations
@@ -303,7 +307,7 @@ def learn_legs(
     return layout._replace(radius=radius, dark=dark)
 
 
-def _prior_cost(layout: Layout, first: Layout, n_frames: int) -> float:
+def _prior_cost(layout: PoseLayout, first: PoseLayout, n_frames: int) -> float:
     """Return what the legs' thickness and darkness cost by themselves."""
     total = 0.0
     for leg, n_segments in enumerate(layout.n_segments):

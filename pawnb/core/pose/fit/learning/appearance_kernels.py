@@ -7,13 +7,13 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.paint_kernels import NARROWEST, egg_shape, part_dark, slope, step
 
 
 @compiled_loosely
 def look_equations(
-    layout: Layout, blur: float, box: np.ndarray, value: np.ndarray, owner: np.ndarray,
+    layout: PoseLayout, blur: float, box: np.ndarray, value: np.ndarray, owner: np.ndarray,
     along: np.ndarray, joints: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> None:  # fmt: skip
@@ -62,7 +62,7 @@ def look_equations(
 
 @compiled_loosely
 def body_equations(
-    layout: Layout, meets: np.ndarray, pose: np.ndarray, blur: float, box: np.ndarray,
+    layout: PoseLayout, meets: np.ndarray, pose: np.ndarray, blur: float, box: np.ndarray,
     value: np.ndarray, owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> None:  # fmt: skip

@@ -8,13 +8,13 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
-_SQRT5 = np.sqrt(5.0)
+SQRT5 = float(np.sqrt(5.0))
 """Mathematics: half width of a parabolic kernel, in its standard deviations."""
 
 
 def blurred(image_evidence: ImageEvidence, half_width: float) -> ImageEvidence:
     """Return evidence blurred by a Gaussian as wide as a parabolic kernel of that half width."""
-    sd = half_width / _SQRT5
+    sd = half_width / SQRT5
     return image_evidence._replace(seen=cv2.GaussianBlur(image_evidence.seen, (0, 0), sd))
 
 

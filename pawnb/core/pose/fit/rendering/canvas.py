@@ -6,7 +6,7 @@ import threading
 
 import numpy as np
 
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas
 
 
@@ -17,11 +17,11 @@ class Canvas(threading.local):
 
     Parameters
     ----------
-    layout : Layout
+    layout : PoseLayout
         The animal: how many legs and joints there are.
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: PoseLayout) -> None:
         self._layout = layout
         self._room = make_canvas(1, 1, layout)
 

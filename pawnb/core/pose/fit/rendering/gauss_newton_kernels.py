@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
-from pawnb.core.pose.fit.layout import N_BODY, Layout
+from pawnb.core.pose.fit.layout import N_BODY, PoseLayout
 from pawnb.core.pose.fit.rendering.normal_equation_kernels import normal_equations
 from pawnb.core.pose.fit.rendering.paint_kernels import (
     clear,
@@ -21,7 +21,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import (
     picture_cost,
 )
 
-_DAMPING, _EASIER, _HARDER, _LEAST, _TRIES = 1e-3, 0.2, 8.0, 1e-6, 6
+_FIT_DAMPING, _FIT_EASIER, _FIT_HARDER, _FIT_LEAST, _TRIES = 1e-3, 0.2, 8.0, 1e-6, 6
 """Numerics: the schedule of damping of a Levenberg-Marquardt descent (Marquardt 1963): first,
 after a step that helps, after one that does not, at least, and steps that are tried. It tells how
 steps are found, not where the bottom is."""
@@ -145,7 +145,7 @@ def add_prior(
 
 @compiled_loosely
 def paint_some(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint some legs, and the body where ``shown[-1]``; ``shown`` is (legs + 1,) bool."""
@@ -155,7 +155,7 @@ def paint_some(
 
 @compiled_loosely
 def paint_more(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint as :func:`paint_some`, over what is painted already."""
@@ -168,7 +168,7 @@ def paint_more(
 
 
 @compiled_loosely
-def what_moves(layout: Layout, active: np.ndarray) -> np.ndarray:
+def what_moves(layout: PoseLayout, active: np.ndarray) -> np.ndarray:
     """Return which legs, and last the body, move with the ``active`` numbers of the pose."""
     legs = layout.side.shape[0]
     moves = np.zeros(legs + 1, np.bool_)
@@ -183,7 +183,7 @@ def what_moves(layout: Layout, active: np.ndarray) -> np.ndarray:
 
 @compiled_loosely
 def normal_matrix(
-    layout: Layout,
+    layout: PoseLayout,
     pose: np.ndarray,
     image_evidence: ImageEvidence,
     prior: Prior,
@@ -292,7 +292,7 @@ def bring_back(
 
 @compiled_loosely
 def fit_pose(
-    layout: Layout,
+    layout: PoseLayout,
     pose: np.ndarray,
     image_evidence: ImageEvidence,
     prior: Prior,
@@ -336,7 +336,7 @@ def fit_pose(
     m = active.shape[0]
     part, step = np.zeros((m, m)), np.zeros(m)
     pose = pose.copy()
-    cost, damping = 0.0, _DAMPING
+    cost, damping = 0.0, _FIT_DAMPING
     moves, rest = what_moves(layout, active), np.zeros(shown.shape[0], np.bool_)
     some_rest = False
     for i in range(shown.shape[0]):
@@ -365,7 +365,7 @@ def fit_pose(
         gained = 0.0
         for _ in range(_TRIES):
             if not damped_step(matrix, vector, active, damping, part, step):
-                damping *= _HARDER
+                damping *= _FIT_HARDER
                 continue
             trial = pose.copy()
             for i in range(m):
@@ -381,9 +381,9 @@ def fit_pose(
                 gained = cost - now
                 pose = trial
                 cost = now
-                damping = max(damping * _EASIER, _LEAST)
+                damping = max(damping * _FIT_EASIER, _FIT_LEAST)
                 break
-            damping *= _HARDER
+            damping *= _FIT_HARDER
         if gained < enough:
             break
     return pose, cost

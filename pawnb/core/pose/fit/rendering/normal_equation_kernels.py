@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled_inside, compiled_loosely
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.paint_kernels import (
     NOTHING,
     body_slope,
@@ -19,7 +19,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import (
 
 @compiled_loosely
 def add_segment(
-    layout: Layout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, moments: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, moments: np.ndarray,
     rows: np.ndarray, which: np.ndarray, matrix: np.ndarray, vector: np.ndarray,
 ) -> None:  # fmt: skip
     """Add the Gauss-Newton matrix and gradient of all pixels of a segment.
@@ -58,7 +58,7 @@ def add_segment(
 
 @compiled_loosely
 def add_segments(
-    layout: Layout, pose: np.ndarray, joints: np.ndarray, moments: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, joints: np.ndarray, moments: np.ndarray,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> None:  # fmt: skip
     """Add the equations of all segments that show; ``moments`` (legs, segments, 14)."""
@@ -73,7 +73,7 @@ def add_segments(
 
 @compiled_loosely
 def normal_equations(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray, along: np.ndarray, joints: np.ndarray, seen: np.ndarray,
     weight: np.ndarray, soft: float, moves: np.ndarray, matrix: np.ndarray, vector: np.ndarray,
 ) -> float:  # fmt: skip

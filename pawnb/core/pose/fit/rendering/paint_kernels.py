@@ -18,7 +18,7 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled_inside, compiled_loosely
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 
 NOTHING = -1
 """Definition: number of the part where nothing is painted."""
@@ -26,14 +26,14 @@ NARROWEST = 0.2
 """Guard: beyond its narrow end an egg has no width; this share of it is left there."""
 _LEVEL = 1e-3
 """Guard: a line that rises by less, px, is level."""
-_RIM = 2.0
+_RIM_PX = 2.0
 """Mathematics: so far inside its edge, half widths of the blur, the rim of a part of the body
 changes into its middle. No other value is possible: the change, two half widths wide, begins where
 the blur of the edge ends, so that darkness is continuous."""
 
 
 @compiled_loosely
-def leg_chain(layout: Layout, pose: np.ndarray, leg: int, joints: np.ndarray) -> None:
+def leg_chain(layout: PoseLayout, pose: np.ndarray, leg: int, joints: np.ndarray) -> None:
     """Write the joints of a leg, body-coxa joint to tip, into ``joints`` (segments + 1, 2)."""
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     forward, right = layout.attach[leg, 0], layout.attach[leg, 1]
@@ -123,13 +123,13 @@ def part_dark(
     inside = -outside / blur
     if inside < 1.0:
         return dark * step(inside), dark * slope(inside) / blur, 0.0
-    deep = step(inside - _RIM)
-    return dark + (middle - dark) * deep, (middle - dark) * slope(inside - _RIM) / blur, deep
+    deep = step(inside - _RIM_PX)
+    return dark + (middle - dark) * deep, (middle - dark) * slope(inside - _RIM_PX) / blur, deep
 
 
 @compiled_loosely
 def paint_body(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint the body's ellipses; ``box`` is the left and top of the picture."""
@@ -154,7 +154,7 @@ def paint_body(
 
 @compiled_loosely
 def paint_leg(
-    layout: Layout, joints: np.ndarray, leg: int, blur: float, box: np.ndarray,
+    layout: PoseLayout, joints: np.ndarray, leg: int, blur: float, box: np.ndarray,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint one leg whose joints are given."""
@@ -197,7 +197,7 @@ def paint_leg(
 
 @compiled_loosely
 def paint(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint the whole animal on an empty picture; ``joints`` (legs, segments + 1, 2) is filled."""
@@ -210,7 +210,7 @@ def paint(
 
 @compiled_inside
 def body_slope(
-    layout: Layout, pose: np.ndarray, part: int, blur: float, u: float, v: float,
+    layout: PoseLayout, pose: np.ndarray, part: int, blur: float, u: float, v: float,
     cos: float, sin: float, row: np.ndarray,
 ) -> bool:  # fmt: skip
     """Write how a pixel of the body changes with x, y, heading; False where it does not.
@@ -235,7 +235,7 @@ def body_slope(
 
 @compiled_inside
 def leg_pull(
-    layout: Layout, joints: np.ndarray, leg: int, s: int, t: float, blur: float, u: float,
+    layout: PoseLayout, joints: np.ndarray, leg: int, s: int, t: float, blur: float, u: float,
     v: float, pull: np.ndarray,
 ) -> bool:  # fmt: skip
     """Write how a pixel of a leg changes as a point of the axis moves, the one nearest to it.
@@ -293,7 +293,7 @@ def add_pull(
 
 @compiled_loosely
 def leg_slope(
-    layout: Layout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, pull: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, pull: np.ndarray,
     row: np.ndarray, which: np.ndarray,
 ) -> int:  # fmt: skip
     """Write how a pixel changes with each number of the pose; return how many these are."""
@@ -344,14 +344,14 @@ def picture_cost(
     return total
 
 
-def make_canvas(height: int, width: int, layout: Layout) -> tuple[np.ndarray, ...]:
+def make_canvas(height: int, width: int, layout: PoseLayout) -> tuple[np.ndarray, ...]:
     """Return empty ``value``, ``owner``, ``along`` and ``joints`` for :func:`paint`.
 
     Parameters
     ----------
     height, width : int
         Size of the picture, working px.
-    layout : Layout
+    layout : PoseLayout
         The stick animal as arrays.
 
     Returns

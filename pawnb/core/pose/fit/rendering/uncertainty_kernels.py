@@ -7,14 +7,14 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING, leg_chain, leg_slope
 
 
 @compiled_loosely
 def place_sds(
-    layout: Layout, pose: np.ndarray, covariance: np.ndarray, joints: np.ndarray,
+    layout: PoseLayout, pose: np.ndarray, covariance: np.ndarray, joints: np.ndarray,
     out: np.ndarray,
 ) -> None:  # fmt: skip
     """Write the standard deviations of joints and tips, (legs, segments + 1, 2), px.

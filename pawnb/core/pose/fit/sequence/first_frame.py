@@ -16,7 +16,7 @@ from pawnb.core.pose.fit.candidates.leg_candidates import (
 )
 from pawnb.core.pose.fit.candidates.weighing import side_energy
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.layout import Layout, leg_numbers
+from pawnb.core.pose.fit.layout import PoseLayout, leg_numbers
 from pawnb.core.pose.fit.learning.anatomy import about
 from pawnb.core.pose.fit.learning.appearance import fit_appearance
 from pawnb.core.pose.fit.observation import observe
@@ -28,7 +28,7 @@ from pawnb.core.pose.fit.support import body_support
 from pawnb.core.video.views import Frame
 
 _XY = 2
-"""Layout: parameters of a pose that say where it is; the heading comes next."""
+"""PoseLayout: parameters of a pose that say where it is; the heading comes next."""
 
 
 def start_prior(fitter: FrameFitter, pose: FloatArray) -> Prior:
@@ -132,7 +132,7 @@ def _learn_blur(
     return best[1], best[2]
 
 
-def first_darkness(fitter: FrameFitter, frame: Frame, pose: FloatArray) -> Layout:
+def first_darkness(fitter: FrameFitter, frame: Frame, pose: FloatArray) -> PoseLayout:
     """Return the layout as dark as the place that the person gave the body.
 
     Parameters
@@ -146,7 +146,7 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: FloatArray) -> Layou
 
     Returns
     -------
-    Layout
+    PoseLayout
         The fitter's, darker or lighter.
     """
     image_evidence, _, _ = observe(fitter, frame, pose, margin=np.inf)
@@ -233,12 +233,12 @@ def _best_slide(
     return best
 
 
-def slid_leg(layout: Layout, pose: FloatArray, leg: int, *, factor: float) -> FloatArray:
+def slid_leg(layout: PoseLayout, pose: FloatArray, leg: int, *, factor: float) -> FloatArray:
     """Return a leg's part of the pose vector where it is longer, along the way that it takes now.
 
     Parameters
     ----------
-    layout, pose : Layout, ndarray
+    layout, pose : PoseLayout, ndarray
         The animal and its pose.
     leg : int
         Which leg.

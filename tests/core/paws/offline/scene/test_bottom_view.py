@@ -6,7 +6,7 @@ import pytest
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.label_offsets import Offsets
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.observations import read_observations
@@ -31,7 +31,7 @@ def rows(*at):
     table = np.zeros((len(at), 8), np.float32)
     for row, uv in zip(table, at, strict=True):
         row[:2], row[2:6] = uv, (3.0, 0.0, 0.0, 4.0)
-    return Detections(table)
+    return ColourDetections(table)
 
 
 def test_a_spot_is_found_at_its_middle_and_judged_by_its_score():

@@ -9,7 +9,7 @@ import pytest
 
 from pawnb.core.paws.offline import tracker
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import track_offline
@@ -156,8 +156,8 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
         task = task_of(trial, predictions={view.name: predicted})
         asked = learnt_appearance.read_request_and_annotations(views, start, task)
         scene_ = learnt_appearance.scene_of_paws(views, asked, OfflineSettings())
-    one = Detections(np.array([[*uv[3, 0], 1, 1, 0, 1.5, *uv[3, 0]]], np.float32))
-    nothing = Detections.none()
+    one = ColourDetections(np.array([[*uv[3, 0], 1, 1, 0, 1.5, *uv[3, 0]]], np.float32))
+    nothing = ColourDetections.none()
     seen = [[one if t == 3 and v == 0 else nothing for v in range(4)] for t in range(N)]
     found = learnt_appearance._with_predictions(seen, scene_, asked, task)
     np.testing.assert_allclose(np.sort(found[5][0].uv[:, 0]), np.sort(uv[5, :, 0]), atol=1e-3)

@@ -26,7 +26,7 @@ from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_
 from pawnb.core.paws.offline.association.network_flow.pruning import useful_links
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
 
-_LONGEST_S = 60.0
+_SOLVER_LIMIT_S = 60.0
 """Resource: time, s, after which the best association so far is taken."""
 
 
@@ -180,7 +180,7 @@ def _optimum(what: IntArray, cost: FloatArray, begin: IntArray, need: BoolArray)
     if x is None or np.abs(x - np.round(x)).max() > 1e-6:
         answer = milp(
             cost, constraints=constraints, bounds=Bounds(0, 1), integrality=np.ones(len(cost)),
-            options={"mip_rel_gap": NETWORK_FLOW.solver_gap, "time_limit": _LONGEST_S},
+            options={"mip_rel_gap": NETWORK_FLOW.solver_gap, "time_limit": _SOLVER_LIMIT_S},
         )  # fmt: skip
         x = answer.x
     return np.asarray(x)

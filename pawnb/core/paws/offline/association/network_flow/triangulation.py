@@ -11,7 +11,11 @@ from pawnb.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
-from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames, pad_and_stack
+from pawnb.core.paws.offline.detection.colour.detections import (
+    ColourDetections,
+    InFrames,
+    pad_and_stack,
+)
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.sightlines import find_fundamental_matrix
 
@@ -169,7 +173,7 @@ class StereoMatcher:
         return self._seen(frame, xyz, *pad_and_stack(found))
 
     def _seen(
-        self, frame: IntArray, xyz: FloatArray, every: Detections, is_there: BoolArray
+        self, frame: IntArray, xyz: FloatArray, every: ColourDetections, is_there: BoolArray
     ) -> FloatArray:
         """Return the same for detections side by side."""
         good = np.stack(

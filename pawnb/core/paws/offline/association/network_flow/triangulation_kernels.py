@@ -6,7 +6,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 
-_NOTHING = 40.0
+_VANISHING_SQUARE = 40.0
 """Mathematics: beyond that square the exponential function adds nothing to a number: exp(-40) is
 4e-18."""
 
@@ -97,7 +97,7 @@ def support(
                     du = (uv[k, v, 0] - at[t, v, i, 0]) / scale[v]
                     dv = (uv[k, v, 1] - at[t, v, i, 1]) / scale[v]
                     square = du * du + dv * dv
-                    if square < _NOTHING:
+                    if square < _VANISHING_SQUARE:
                         best = max(best, good[t, v, i] * np.exp(-square))
             seen[k, v] = best
     return seen

@@ -21,11 +21,11 @@ import numpy as np
 from pawnb.core.checkpoint import RecordFile, code_checksum
 from pawnb.core.closing import Closing
 from pawnb.core.parameters import values_in_force
-from pawnb.core.paws.offline.detection.colour.detections import N_COLUMNS, Detections, InViews
+from pawnb.core.paws.offline.detection.colour.detections import N_COLUMNS, ColourDetections, InViews
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
-_CODE = (
+_CODE_OF_COLOUR = (
     "photometry/background.py",
     "blob_detection.py",
     "colour_model.py",
@@ -52,7 +52,7 @@ class DetectionCache(Closing):
     def __init__(self, path: Path | None = None, *, source: str = "") -> None:
         self.path, self.source = path, source
         self._key = ""
-        self._found: list[list[Detections]] = []
+        self._found: list[list[ColourDetections]] = []
         self._file: RecordFile | None = None
         self._remembered: tuple[str, Any] = ("", None)
 
@@ -64,7 +64,7 @@ class DetectionCache(Closing):
         """Return what was kept under the same key, or None."""
         return self._remembered[1] if self._remembered[0] == key else None
 
-    def begin(self, n_views: int, *depends_on: Any) -> list[list[Detections]]:
+    def begin(self, n_views: int, *depends_on: Any) -> list[list[ColourDetections]]:
         """Return the detections that are there already, and get ready for more.
 
         Parameters
@@ -77,7 +77,7 @@ class DetectionCache(Closing):
 
         Returns
         -------
-        list of list of Detections
+        list of list of ColourDetections
             For each frame in turn, the detections of each view.
 
         Raises
@@ -86,7 +86,7 @@ class DetectionCache(Closing):
             If the file cannot be read or written.
         """
         digest = hashlib.sha256()
-        code = code_checksum("pawnb.core.paws.offline.detection.colour", _CODE)
+        code = code_checksum("pawnb.core.paws.offline.detection.colour", _CODE_OF_COLOUR)
         how = repr(values_in_force(COLOUR))
         for item in (code, how, self.source, n_views, *depends_on):
             _feed(digest, item)
@@ -115,12 +115,12 @@ class DetectionCache(Closing):
             self._file.close()
 
 
-def _detections(record: bytes, n_views: int) -> list[Detections]:
+def _detections(record: bytes, n_views: int) -> list[ColourDetections]:
     """Return the detections of each view that a record holds."""
     numbers = np.frombuffer(record, "<u2", n_views)
     rows = np.frombuffer(record, "<f4", offset=numbers.nbytes).reshape(-1, N_COLUMNS)
     parts = np.split(rows.astype(np.float32), np.cumsum(numbers)[:-1])
-    return [Detections(part) for part in parts]
+    return [ColourDetections(part) for part in parts]
 
 
 def _feed(digest: hashlib._Hash, item: Any) -> None:

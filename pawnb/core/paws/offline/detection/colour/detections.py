@@ -18,7 +18,7 @@ _UV, _DIRECTION, _COVERAGE, _SCORE, _TIP = slice(0, 2), slice(2, 4), 4, 5, slice
 
 
 @dataclass(frozen=True)
-class Detections:
+class ColourDetections:
     """Detections of one view in one frame; side by side (:func:`pad_and_stack`) those of more.
 
     Parameters
@@ -38,7 +38,7 @@ class Detections:
         coverage: np.ndarray,
         score: np.ndarray,
         tip: np.ndarray,
-    ) -> Detections:
+    ) -> ColourDetections:
         """Return detections.
 
         Parameters
@@ -52,18 +52,18 @@ class Detections:
 
         Returns
         -------
-        Detections
+        ColourDetections
             These.
         """
         return cls(np.column_stack([uv, direction, coverage, score, tip]).astype(np.float32))
 
     @classmethod
-    def none(cls) -> Detections:
+    def none(cls) -> ColourDetections:
         """Return no detections."""
         return cls(np.empty((0, N_COLUMNS), np.float32))
 
     @classmethod
-    def joined(cls, parts: Sequence[Detections]) -> Detections:
+    def joined(cls, parts: Sequence[ColourDetections]) -> ColourDetections:
         """Return detections after each other."""
         return cls(np.concatenate([part.table for part in parts]))
 
@@ -95,23 +95,23 @@ class Detections:
         """The end pixel itself (..., 2), px."""
         return self.table[..., _TIP]
 
-    def take(self, which: np.ndarray) -> Detections:
+    def take(self, which: np.ndarray) -> ColourDetections:
         """Return some of them, by number or a mask."""
-        return Detections(self.table[which])
+        return ColourDetections(self.table[which])
 
-    def of_view(self, view: int) -> Detections:
+    def of_view(self, view: int) -> ColourDetections:
         """Return those of a view, of side by side (n, V, most), as a list (n * most)."""
-        return Detections(self.table[:, view].reshape(-1, N_COLUMNS))
+        return ColourDetections(self.table[:, view].reshape(-1, N_COLUMNS))
 
 
-InViews: TypeAlias = Sequence[Detections]
+InViews: TypeAlias = Sequence[ColourDetections]
 """The detections of each view in one frame."""
 
-InFrames: TypeAlias = Sequence[Sequence[Detections]]
+InFrames: TypeAlias = Sequence[Sequence[ColourDetections]]
 """For each frame, the detections of each view."""
 
 
-def pad_and_stack(found: InFrames) -> tuple[Detections, BoolArray]:
+def pad_and_stack(found: InFrames) -> tuple[ColourDetections, BoolArray]:
     """Put detections side by side.
 
     Parameters
@@ -121,7 +121,7 @@ def pad_and_stack(found: InFrames) -> tuple[Detections, BoolArray]:
 
     Returns
     -------
-    detections : Detections
+    detections : ColourDetections
         The detections, (n, V, most), and 0 where there is none.
     is_there : ndarray of bool, shape (n, V, most)
         Where there is one.
@@ -130,4 +130,4 @@ def pad_and_stack(found: InFrames) -> tuple[Detections, BoolArray]:
     is_there = np.arange(max(1, int(number.max()))) < number[..., None]
     table = np.zeros((*is_there.shape, N_COLUMNS), np.float32)
     table[is_there] = np.concatenate([own.table for here in found for own in here])
-    return Detections(table), is_there
+    return ColourDetections(table), is_there

@@ -18,7 +18,7 @@ from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.photometry.illumination import normalise_illumination
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
@@ -64,7 +64,9 @@ class DetectorConfig:
     most: int = field(default_factory=lambda: COLOUR.most_found)
 
 
-def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
+def detect(
+    pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
+) -> ColourDetections:
     """Find the ends of paw-coloured parts.
 
     Parameters
@@ -78,7 +80,7 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
 
     Returns
     -------
-    Detections
+    ColourDetections
         The likeliest ends.
     """
     pixels = normalise_illumination(pixels, detector.illumination)
@@ -101,14 +103,16 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
         pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
     limits = _NO_LIMITS if detector.limits is None else np.asarray(detector.limits, float)
     grid = (*origin, detector.shrink)
-    found = Detections(
+    found = ColourDetections(
         loops.describe(score, weight, pixels, share, near, r, COLOUR.ends_apart, limits, grid)
     )
     best = np.argsort(-endpoint_score(found, detector.limb_direction), kind="stable")
-    return Detections(found.table[best[: detector.most]].astype(np.float32))
+    return ColourDetections(found.table[best[: detector.most]].astype(np.float32))
 
 
-def _blobs(score: Float32Array, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
+def _blobs(
+    score: Float32Array, origin: tuple[int, int], detector: DetectorConfig
+) -> ColourDetections:
     """Return the detections of a view from below: each points where limbs tend to end."""
     at, likeness = detect_blobs(score, detector.reach, detector.appearance.usual)
     at = (at + 0.5) * detector.shrink - 0.5 + origin
@@ -119,13 +123,13 @@ def _blobs(score: Float32Array, origin: tuple[int, int], detector: DetectorConfi
         np.asarray(detector.limb_direction) * detector.reach * detector.shrink, at.shape
     )
     # endpoint_score() is their likeness
-    found = Detections.of(
+    found = ColourDetections.of(
         at, direction=direction, coverage=np.zeros(len(at)), score=0.5 + 2.0 * likeness, tip=at
     )
     return found.take(np.argsort(-likeness, kind="stable")[: detector.most])
 
 
-def endpoint_score(found: Detections, limb_direction: tuple[float, float]) -> FloatArray:
+def endpoint_score(found: ColourDetections, limb_direction: tuple[float, float]) -> FloatArray:
     """Return how much each detection of one view looks like the end of a paw, 0 to 1."""
     length = np.hypot(found.direction[:, 0], found.direction[:, 1])
     cosine = (found.direction @ np.asarray(limb_direction)) / np.maximum(length, 1e-6)

@@ -8,10 +8,12 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 
-_SIDE, _OWN, _HALF, _TO_BINS, _TEN, _FIVE = (np.uint32(n) for n in (61, 134, 1 << 15, 19, 10, 5))
+_SIDE, _OWN_WEIGHT, _HALF, _TO_BINS, _TEN, _FIVE = (
+    np.uint32(n) for n in (61, 134, 1 << 15, 19, 10, 5)
+)
 """Layout: weights of smoothing in parts of 256; twice that and three bits lie below five bits of
 colour."""
-_WHOLE, _PART = np.float32(1 << 25), 1.0 / (1 << 25)
+_FIXED_POINT, _PART = np.float32(1 << 25), 1.0 / (1 << 25)
 """Layout: weights of the mask, as float32 has them, are whole numbers of 2^-25."""
 
 
@@ -48,12 +50,12 @@ def score_colours(pixels: np.ndarray, table: np.ndarray) -> np.ndarray:
         own = flat[v]
         below = flat[v + 1 if v < h - 1 else max(h - 2, 0)]
         for i in range(3 * w):
-            down[i + 3] = _SIDE * (np.uint32(above[i]) + below[i]) + _OWN * np.uint32(own[i])
+            down[i + 3] = _SIDE * (np.uint32(above[i]) + below[i]) + _OWN_WEIGHT * np.uint32(own[i])
         for i in range(3):
             down[i] = down[6 + i if w > 1 else 3 + i]
             down[3 * w + 3 + i] = down[3 * w - 3 + i if w > 1 else 3 + i]
         for i in range(3 * w):
-            total = np.uint32(_SIDE * (down[i] + down[i + 6]) + _OWN * down[i + 3] + _HALF)
+            total = np.uint32(_SIDE * (down[i] + down[i + 6]) + _OWN_WEIGHT * down[i + 3] + _HALF)
             smooth[i] = total >> _TO_BINS
         for u in range(w):
             number = (smooth[3 * u] << _TEN) | (smooth[3 * u + 1] << _FIVE) | smooth[3 * u + 2]
@@ -71,7 +73,7 @@ def weigh(score: np.ndarray) -> np.ndarray:
     out = np.empty(score.shape, np.int32)
     for v in range(score.shape[0]):
         for u in range(score.shape[1]):
-            out[v, u] = np.int32(min(max(score[v, u] * half + half, least), most) * _WHOLE)
+            out[v, u] = np.int32(min(max(score[v, u] * half + half, least), most) * _FIXED_POINT)
     return out
 
 

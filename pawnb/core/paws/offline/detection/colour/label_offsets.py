@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from pawnb.arrays import FloatArray
-from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
@@ -35,13 +35,13 @@ class Offsets:
     unsure: FloatArray
 
     def apply(
-        self, found: Detections, point: int, *, paw_width_px: float, facing: int
+        self, found: ColourDetections, point: int, *, paw_width_px: float, facing: int
     ) -> FloatArray:
         """Return the tracked point's position (n, 2) for detections of one view.
 
         Parameters
         ----------
-        found : Detections
+        found : ColourDetections
             Detections of one view.
         point : int
             Number of the point.

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
@@ -52,7 +52,7 @@ class AppearanceLikelihood:
     paw_width_px: FloatArray
     score: float | None = None
 
-    def likeness(self, found: Detections, view: int) -> FloatArray:
+    def likeness(self, found: ColourDetections, view: int) -> FloatArray:
         """Return how much each detection of a view looks like a paw, 0 to 1."""
         plain = endpoint_score(found, self.limb_direction[view])
         if self.score is None:
@@ -68,13 +68,17 @@ class AppearanceLikelihood:
 
 
 def measures(
-    found: Detections, limb_direction: tuple[float, float], *, score: float, paw_width_px: float
+    found: ColourDetections,
+    limb_direction: tuple[float, float],
+    *,
+    score: float,
+    paw_width_px: float,
 ) -> dict[str, np.ndarray]:
     """Return what is measured of detections.
 
     Parameters
     ----------
-    found : Detections
+    found : ColourDetections
         Detections of one view.
     limb_direction : tuple of float
         Direction in which limbs tend to end.

@@ -16,7 +16,7 @@ from pawnb.core.parallel import THREADS, Threads
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, reduce
-from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import (
     DetectorConfig,
     detect,
@@ -130,7 +130,7 @@ def scan_video(
     watch: Watch | None = None,
     progress: Callable[[int], None] | None = None,
     stop: Callable[[], bool] | None = None,
-) -> list[list[Detections]]:
+) -> list[list[ColourDetections]]:
     """Find the detections of every view in consecutive frames.
 
     Parameters
@@ -155,7 +155,7 @@ def scan_video(
 
     Returns
     -------
-    list of list of Detections
+    list of list of ColourDetections
         For each frame done, the detections of each view.
     """
     store = store or DetectionCache()
@@ -174,7 +174,7 @@ def scan_video(
     for t, here in enumerate(found, frames[0]):
         search.again(t, here)
 
-    waiting: deque[list[Future[Detections]]] = deque()
+    waiting: deque[list[Future[ColourDetections]]] = deque()
     with contextlib.ExitStack() as stack:
         stack.callback(store.close)
         # a view stays with its thread: its region follows what the frame before has shown
@@ -216,7 +216,7 @@ class _Search:
         self.at_home = rois
         self.rois = [replace(roi) for roi in rois]
 
-    def find(self, view: int, frame: int, picture: FramePixels) -> Detections:
+    def find(self, view: int, frame: int, picture: FramePixels) -> ColourDetections:
         """Return the detections of the next frame of a view, and follow them."""
         self._come_home(view, frame)
         detector = self.detectors[view]
@@ -243,7 +243,7 @@ class _Search:
                     self._follow(v, found)
         return True
 
-    def _follow(self, view: int, found: Detections) -> None:
+    def _follow(self, view: int, found: ColourDetections) -> None:
         """Move the region of a view with its detections."""
         likeness = endpoint_score(found, self.detectors[view].limb_direction)
         self.rois[view].follow(found.uv[:, 0], likeness)

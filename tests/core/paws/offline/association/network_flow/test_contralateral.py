@@ -19,7 +19,7 @@ from pawnb.core.paws.offline.association.network_flow.min_cost_flow import MinCo
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import TrackletAssociator
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.bottom_view import BottomView
@@ -91,7 +91,7 @@ def test_paths_through_the_crossings_of_near_and_far_paws():
     for at in truth:
         rows = np.zeros((4, 8), np.float32)
         rows[:, :2], rows[:, 2:6] = at, (3.0, 4.0, 0.22, 4.0)
-        found.append([Detections(rows)])
+        found.append([ColourDetections(rows)])
     setting = scene(truth)
     kinds = ["front", "hind", "front", "hind"]
     shares = []

@@ -12,7 +12,7 @@ from pawnb.core.paws.offline.association.network_flow.priors.positional_prior im
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import TrackletAssociator
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses, Volume
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.treadmill import Scene
@@ -70,7 +70,7 @@ def candidates(truth, hidden, seed=0, share=0.22, thing=None, n=N):
             rows[:, :2] = at + 0.8 * rng.normal(size=at.shape)
             rows[:, 2:6] = 3.0, 4.0, share, 4.0
             rng.shuffle(rows)
-            here.append(Detections(rows))
+            here.append(ColourDetections(rows))
         found.append(here)
     return found
 
@@ -126,7 +126,7 @@ def test_a_hidden_paw_does_not_follow_what_only_the_views_of_the_other_side_show
         for v in (1, 2):
             row = np.zeros((1, 8), np.float32)
             row[0, :2], row[0, 2:6] = beside[t, v], (3.0, 4.0, 0.22, 4.0)
-            found[t][v] = Detections.joined([found[t][v], Detections(row)])
+            found[t][v] = ColourDetections.joined([found[t][v], ColourDetections(row)])
     likelihood = AppearanceLikelihood([(0.6, 0.8)] * 3, np.full(3, 16.0))
     anchors = {0: dict(enumerate(truth[0]))}
     followed = []

@@ -4,7 +4,7 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow.triangulation import StereoMatcher, Volume
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 
 RNG = np.random.default_rng(3)
@@ -28,7 +28,7 @@ def candidates(uv):
     """Detections that look like ends pointing down, at some positions."""
     rows = np.zeros((len(uv), 8), np.float32)
     rows[:, :2], rows[:, 3], rows[:, 4], rows[:, 5] = uv, 3.0, 0.3, 5.0
-    return Detections(rows)
+    return ColourDetections(rows)
 
 
 def pairing(**options):
@@ -42,7 +42,7 @@ def pairing(**options):
 def test_points_of_every_frame_come_out_in_that_frame():
     points = [RNG.uniform(-25, 25, (k, 3)) for k in (3, 0, 5, 1)]
     found = [[candidates(dlt.project(COEFS, x)[:, v]) for v in range(3)] for x in points]
-    found[3][0] = Detections.none()  # two views are enough
+    found[3][0] = ColourDetections.none()  # two views are enough
     places = pairing(most=60).places(found)
     assert len(places) == 4
     assert len(places[1].at) == 0

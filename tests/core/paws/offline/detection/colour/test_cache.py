@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 
 
 @dataclass
@@ -21,7 +21,10 @@ LOOK = Look(np.arange(6.0), 2)
 def frames_of(n, seed=0):
     rng = np.random.default_rng(seed)
     return [
-        [Detections(rng.normal(size=(rng.integers(0, 5), 8)).astype(np.float32)) for _ in range(3)]
+        [
+            ColourDetections(rng.normal(size=(rng.integers(0, 5), 8)).astype(np.float32))
+            for _ in range(3)
+        ]
         for _ in range(n)
     ]
 

@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.detections import Detections, pad_and_stack
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections, pad_and_stack
 
 
 def some(n, seed=0):
-    return Detections(np.random.default_rng(seed).normal(size=(n, 8)).astype(np.float32))
+    return ColourDetections(np.random.default_rng(seed).normal(size=(n, 8)).astype(np.float32))
 
 
 def test_names_are_the_columns_of_the_file():
     """The order is that of ``detect`` as cached in files: u, v, du, dv, share, score, tip."""
-    found = Detections(np.arange(16, dtype=np.float32).reshape(2, 8))
+    found = ColourDetections(np.arange(16, dtype=np.float32).reshape(2, 8))
     assert found.uv.tolist() == [[0, 1], [8, 9]]
     assert found.direction.tolist() == [[2, 3], [10, 11]]
     assert (found.coverage.tolist(), found.score.tolist()) == ([4, 12], [5, 13])
     assert found.tip.tolist() == [[6, 7], [14, 15]]
-    again = Detections.of(
+    again = ColourDetections.of(
         found.uv, direction=found.direction, coverage=found.coverage, score=found.score,
         tip=found.tip,
     )  # fmt: skip

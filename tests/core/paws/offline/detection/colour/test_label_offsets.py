@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.label_offsets import learn_offsets
 
 THICKNESS = 10.0
@@ -18,7 +18,7 @@ def end(u, v, *, share=0.22, direction=(5.0, 2.0)):
 
 def learn(clicks, rows):
     return learn_offsets(
-        np.asarray(clicks, float)[None], {0: [Detections(one) for one in rows]},
+        np.asarray(clicks, float)[None], {0: [ColourDetections(one) for one in rows]},
         paw_width_px=np.full(len(rows), THICKNESS),
         facing=[1] * len(rows), limb_direction=[(0.8, 0.6)] * len(rows), kinds=["front"],
     )  # fmt: skip
@@ -79,7 +79,7 @@ def test_where_paws_meet_each_click_has_an_end_of_its_own():
     # the better end lies within reach of both clicks; a paw cannot be where the other is
     rows = np.stack([end(100, 50, direction=(3.0, -6.0)), end(96, 57, share=0.37)])
     found = learn_offsets(
-        np.array([[[[101.0, 50.0]], [[96.0, 58.0]]]]), {0: [Detections(rows)]},
+        np.array([[[[101.0, 50.0]], [[96.0, 58.0]]]]), {0: [ColourDetections(rows)]},
         paw_width_px=np.array([THICKNESS]), facing=[1], limb_direction=[(0.8, 0.6)],
         kinds=["front", "hind"],
     )  # fmt: skip

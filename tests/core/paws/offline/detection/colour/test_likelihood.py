@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import (
     AppearanceLikelihood,
@@ -18,7 +18,7 @@ THICKNESS = np.array([8.0, 8.0])
 
 def candidate(score, share=0.22, step=(2.4, 3.2), at=(50.0, 40.0)):
     """One detection: its score, share of mask, direction and place."""
-    return Detections(np.array([[*at, *step, share, score, *at]], np.float32))
+    return ColourDetections(np.array([[*at, *step, share, score, *at]], np.float32))
 
 
 def likelihood(score=None):
@@ -26,7 +26,9 @@ def likelihood(score=None):
 
 
 def test_without_clicks_it_is_the_plain_rule():
-    rows = Detections.joined([candidate(3.0), candidate(1.0, 0.4), candidate(5.0, step=(-3, 0))])
+    rows = ColourDetections.joined(
+        [candidate(3.0), candidate(1.0, 0.4), candidate(5.0, step=(-3, 0))]
+    )
     np.testing.assert_array_equal(likelihood().likeness(rows, 0), endpoint_score(rows, DOWN_AHEAD))
 
 
@@ -67,7 +69,7 @@ def test_the_score_is_that_of_the_candidates_clicked():
     clicks[0, 0, 0] = 50.0, 40.0
     clicks[0, 1, 1] = 20.0, 20.0
     clicks[1, 0, 0] = 90.0, 90.0
-    rows = Detections.joined([
+    rows = ColourDetections.joined([
         candidate(2.0, at=(51.0, 41.0)), candidate(9.0, at=(70.0, 40.0)),
         # a heel nearer to the click
         candidate(9.0, 0.5, step=(-2.4, -3.2), at=(50.0, 40.5)),

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.label_offsets import Offsets
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.observations import read_observations, tracked_points
@@ -19,11 +19,11 @@ RIG = Projection(LINEAR)
 
 
 def rows(*ends):
-    """Detections (u, v, du, dv) that look like ends."""
+    """ColourDetections (u, v, du, dv) that look like ends."""
     table = np.zeros((len(ends), 8), np.float32)
     for row, end in zip(table, ends, strict=True):
         row[:4], row[4], row[5] = end, 0.22, 4.0
-    return Detections(table)
+    return ColourDetections(table)
 
 
 def read(found, offsets, facing=(1, 1, 1)):

@@ -5,7 +5,7 @@ import pytest
 
 from pawnb.core.paws.offline.detection.colour import scan
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.detection.colour.detections import Detections
+from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig
 from pawnb.core.paws.offline.detection.colour.scan import ROI
 
@@ -66,7 +66,7 @@ def search(monkeypatch):
     def found(paws, box, _look):
         u = paws[(paws >= box[0]) & (paws < box[2])]
         n, left = len(u), np.full(len(u), box[0])  # what was searched shows, too
-        return Detections.of(
+        return ColourDetections.of(
             np.column_stack([u, np.zeros(n)]), direction=np.tile([2.0, 1.0], (n, 1)),
             coverage=np.full(n, 0.22), score=np.ones(n), tip=np.column_stack([left, np.zeros(n)]),
         )  # fmt: skip

@@ -26,7 +26,7 @@ from pawnb.core.paws.offline.scene.geometry import Anchors
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.treadmill.median import median
 
-_REACH = 1.5
+_USUAL_REACH = 1.5
 """Layout: the distribution holds distances up to so many spans; what is farther is in the
 last bins."""
 
@@ -93,7 +93,7 @@ def learn_positional_prior(
             sd = (
                 NETWORK_FLOW.positional_prior_blur
                 * NETWORK_FLOW.positional_prior_bins
-                / (2 * _REACH)
+                / (2 * _USUAL_REACH)
             )
             density = gaussian_filter1d(count, sd)
             density = density / max(density.max(), 1e-9)
@@ -148,11 +148,13 @@ def positional_cost(
 
 
 def _bin(along: FloatArray, body_scale: float) -> IntArray:
-    """Return the bin of positions, from -``_REACH`` to ``_REACH`` spans."""
+    """Return the bin of positions, from -``_USUAL_REACH`` to ``_USUAL_REACH`` spans."""
     return np.clip(
-        ((along / body_scale + _REACH) / (2 * _REACH) * NETWORK_FLOW.positional_prior_bins).astype(
-            int
-        ),
+        (
+            (along / body_scale + _USUAL_REACH)
+            / (2 * _USUAL_REACH)
+            * NETWORK_FLOW.positional_prior_bins
+        ).astype(int),
         0,
         NETWORK_FLOW.positional_prior_bins - 1,
     )

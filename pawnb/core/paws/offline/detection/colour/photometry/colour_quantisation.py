@@ -31,7 +31,7 @@ _MIDDLE = 127.5
 """Mathematics: the middle of 256 levels."""
 _BINS = 32
 """Layout: steps of each channel in a table of colours."""
-_SHIFT = 3
+_BITS_DROPPED = 3
 """Layout: bits by which 256 levels are reduced to these steps."""
 
 
@@ -132,21 +132,23 @@ def bin_numbers(
         over_around = _over(p, cv2.blur(pixels, (around_px, around_px)))
         # the same where nothing is known to stand still: it then says nothing
         over_still = np.zeros_like(p) if background is None else _over(p, background)
-        return ((p >> _SHIFT) << 10) | (over_still << 5) | over_around
+        return ((p >> _BITS_DROPPED) << 10) | (over_still << 5) | over_around
     # five bits of each channel in one number
     return cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR555).view(np.uint16)[..., 0]
 
 
 def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
     """Return by how many steps of 8 grey levels pixels exceed others, from -8 as 0 to 31."""
-    return np.asarray(np.clip((pixels - base + (8 << _SHIFT)) >> _SHIFT, 0, _BINS - 1))
+    return np.asarray(
+        np.clip((pixels - base + (8 << _BITS_DROPPED)) >> _BITS_DROPPED, 0, _BINS - 1)
+    )
 
 
 def features_of_bins(is_colour: bool, fine_colours: FineColours | None) -> FloatArray:
     """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
     n = np.arange(_BINS**3)
-    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * (1 << _SHIFT)
-    levels = levels + 0.5 * ((1 << _SHIFT) - 1)
+    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * (1 << _BITS_DROPPED)
+    levels = levels + 0.5 * ((1 << _BITS_DROPPED) - 1)
     if not is_colour or fine_colours is not None:
         return levels
     lab = cv2.cvtColor((levels[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
