@@ -220,7 +220,11 @@ def test_a_parameter_of_a_stage_is_set_recorded_and_kept_when_tracked_again(smal
     [
         ({"smoothing.near": 1}, "pawnb", "smoothing: unknown name 'near'"),
         ({"smooth.refinement_near": 1}, "pawnb", "'smooth.refinement_near' is of no stage"),
-        ({"smoothing.refinement_near": 1}, "paper", "is of no stage; stages are none"),
+        (
+            {"smoothing.refinement_near": 1},
+            "paper",
+            "is of no stage; stages are maghsoudi2019, paw_proposal",
+        ),
     ],
 )
 def test_what_is_no_parameter_of_a_stage_is_refused(small_trial, settings, method, said):

@@ -13,6 +13,8 @@ import pandas as pd
 from PIL import Image
 
 _PX_PER_INCH = 140.0
+MOST_ROWS = 60
+"""Rows that a table of a page has at most; the csv beside it has all."""
 _REPORT_STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 2em auto;
   max-width: 66em; padding: 0 1em; }

@@ -6,14 +6,13 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.workflow.provenance.report.html import table, text
+from pawnb.workflow.provenance.report.html import MOST_ROWS, table, text
 
-_MOST_ROWS = 60
 _COUNTED = (
     ("", "n_animals", "animals", "Each animal counts once."),
     ("_strides", "n", "strides", "Every stride counts, as if strides were independent."),
 )
-_TESTS = {
+_COLUMN_WORDS = {
     "circular_sd": "circular SD", "rayleigh_z": "Rayleigh z", "rayleigh_p": "Rayleigh p",
     "moore_r": "Moore r", "moore_p": "Moore p", "pattern": "pattern",
 }  # fmt: skip
@@ -39,13 +38,13 @@ def phase_tables(summary: pd.DataFrame) -> list[str]:
             continue
         rows = [_row(row, counted=counted, word=word) for row in found.to_dict(orient="records")]
         values = pd.DataFrame(rows).dropna(axis=1, how="all")
-        parts += [f'<p class="small">{text(said)}</p>', table(values, most=_MOST_ROWS)]
+        parts += [f'<p class="small">{text(said)}</p>', table(values, most=MOST_ROWS)]
     return parts
 
 
 def _names() -> list[str]:
     """Name the columns that either set has."""
-    return ["mean", "ci_low", "ci_high", "r", "r_low", "r_high", *_TESTS]
+    return ["mean", "ci_low", "ci_high", "r", "r_low", "r_high", *_COLUMN_WORDS]
 
 
 def _row(row: dict[Any, Any], *, counted: str, word: str) -> dict[str, Any]:
@@ -64,7 +63,7 @@ def _row(row: dict[Any, Any], *, counted: str, word: str) -> dict[str, Any]:
         "mean phase (95 % interval)": _with_interval(row, "mean", "ci_low", "ci_high"),
         "r (95 % interval)": _with_interval(row, "r", "r_low", "r_high"),
     }
-    return own | {said: row.get(f"own {name}") for name, said in _TESTS.items()}
+    return own | {said: row.get(f"own {name}") for name, said in _COLUMN_WORDS.items()}
 
 
 def _with_interval(row: dict[Any, Any], value: str, low: str, high: str) -> str:

@@ -16,7 +16,15 @@ from pawnb.workflow.gait.request import GaitRequest, Legs
 from pawnb.workflow.gait.run import GaitRun, carry_out
 from pawnb.workflow.gait.statistics import length_unit
 from pawnb.workflow.provenance.manifest import read_manifest
-from pawnb.workflow.provenance.report.html import embedded, listed, page, picture, table, text
+from pawnb.workflow.provenance.report.html import (
+    MOST_ROWS,
+    embedded,
+    listed,
+    page,
+    picture,
+    table,
+    text,
+)
 from pawnb.workflow.provenance.report.index_page import note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped
 from pawnb.workflow.provenance.report.phase_words import phase_tables
@@ -33,7 +41,6 @@ _P_OF_GROUPS = {
 }  # fmt: skip
 _LEG_COLUMNS = ("leg", "measure", "mean", "ci_low", "ci_high")
 _BY_LEG = "Means over animals, each counted once, with 95 % intervals where there are several."
-_MOST_ROWS = 60
 _BLANK_OF_ONE = (
     "One animal only: numbers of strides are no numbers of animals, and no interval or test over "
     "animals is given."
@@ -134,7 +141,7 @@ def _left_out(dropped: pd.DataFrame) -> str:
     """Count what was dropped, by animal and reason."""
     if dropped.empty:
         return "<p>Nothing.</p>"
-    return table(count_dropped(dropped, ["animal", "what", "why"]), most=_MOST_ROWS)
+    return table(count_dropped(dropped, ["animal", "what", "why"]), most=MOST_ROWS)
 
 
 def _tables(run: GaitRun) -> list[str]:
@@ -159,7 +166,7 @@ def _tables(run: GaitRun) -> list[str]:
         if name == "animals":
             values = _by_leg(values)
             parts.append(f'<p class="small">{_BY_LEG}</p>')
-        parts.append(table(values, most=_MOST_ROWS))
+        parts.append(table(values, most=MOST_ROWS))
     return parts
 
 
