@@ -2,9 +2,11 @@
 
 import threading
 
+import numpy as np
 import pytest
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from pawnb.core.parallel import in_parts, on_threads
+from pawnb.core.parallel import in_parts, on_threads, products_on_one_thread
 from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 
@@ -33,3 +35,29 @@ def test_parts_come_in_order_with_the_parameters_in_force():
     assert in_parts(abs, []) == []
     with pytest.raises(ZeroDivisionError):
         in_parts(lambda item: 1 / item, [1, 0, 2])
+
+
+def threads_of_products():
+    """Return how many threads numpy's linear algebra may use."""
+    assert np.dot([1.0], [1.0]) == 1.0  # loaded
+    blas = ThreadpoolController().select(user_api="blas").info()
+    return max(one["num_threads"] for one in blas)
+
+
+def test_products_are_of_one_thread_until_the_last_block_ends():
+    with threadpool_limits(3, user_api="blas"):
+        first, second = products_on_one_thread(), products_on_one_thread()
+        first.__enter__()
+        assert threads_of_products() == 1
+        second.__enter__()
+        first.__exit__(None, None, None)  # they overlap, as on two threads
+        assert threads_of_products() == 1
+        second.__exit__(None, None, None)
+        assert threads_of_products() == 3
+
+
+def test_a_block_that_fails_gives_the_threads_back():
+    with threadpool_limits(3, user_api="blas"):
+        with pytest.raises(ZeroDivisionError), products_on_one_thread():
+            _ = 1 / 0
+        assert threads_of_products() == 3
