@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +16,8 @@ from numba.core import event
 _F = TypeVar("_F", bound=Callable)
 _LOOSE = {"contract", "arcp", "nsz", "reassoc"}
 """Sums in another order, one division for several: the last digits differ. NaN stays NaN."""
+_UNREADABLE = (AttributeError, ImportError, EOFError, pickle.UnpicklingError)
+"""What reading kept code raises where it names types that were renamed or moved since."""
 
 
 class Compiled:
@@ -65,10 +68,27 @@ class Compiled:
         Numba looks at the function's own file only: what it calls may be in others.
         """
         with contextlib.suppress(AttributeError, OSError):  # another numba; not in a folder
+            self._pass_over_unreadable_code()
             index = self._called._cache._cache_file
             about = [(path.name, path.stat()) for path in map(Path, sorted(self.sources))]
             stamps = [(name, stat.st_mtime, stat.st_size) for name, stat in about]
             index._source_stamp = (index._source_stamp, *stamps)
+
+    def _pass_over_unreadable_code(self) -> None:
+        """Let code that is kept count as none where it cannot be read.
+
+        Numba reads the list of it first, types of arguments among it, and only then looks whether
+        it is of these files: after an update that renames a type the first call would fail.
+        """
+        index = self._called._cache._cache_file
+        read = index._load_index
+
+        def read_if_readable() -> dict:
+            with contextlib.suppress(*_UNREADABLE):
+                return dict(read())
+            return {}
+
+        index._load_index = read_if_readable
 
     def __call__(self, *arguments: Any) -> Any:  # noqa: D102 - as the function
         if not self.is_called:

@@ -1,6 +1,8 @@
 """Compiled functions give what Python gives, also where compiled code cannot be kept."""
 
+import importlib
 import math
+import sys
 import time
 
 import numba
@@ -33,6 +35,37 @@ def test_it_computes_what_python_does(monkeypatch, kept, how):
     # n (n + 1) (2 n + 1) / 6
     assert fast(10) == 385
     assert fast.signatures, "it was not compiled"
+
+
+MODULE = """
+from typing import NamedTuple
+
+from pawnb.core.compiled import compiled
+
+
+class {name}(NamedTuple):
+    a: float
+    b: float
+
+
+@compiled
+def total(pair):
+    return {said}
+"""
+
+
+def test_code_kept_for_a_type_that_was_renamed_since_is_made_anew(tmp_path, monkeypatch):
+    """As after an update: numba finds the old list by the function's name and line."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    path = tmp_path / "kept_loops.py"
+    for name, said, expected in (("Pair", "pair.a + pair.b", 5.0), ("Two", "pair.a * pair.b", 6.0)):
+        path.write_text(MODULE.format(name=name, said=said), encoding="utf-8")
+        monkeypatch.delitem(sys.modules, "kept_loops", raising=False)
+        importlib.invalidate_caches()
+        module = importlib.import_module("kept_loops")
+        assert module.total(getattr(module, name)(2.0, 3.0)) == expected
+        assert module.total.is_kept
+    monkeypatch.delitem(sys.modules, "kept_loops")
 
 
 def largest_known(values):
