@@ -15,6 +15,7 @@ import pandas as pd
 from scipy.ndimage import distance_transform_edt
 from scipy.special import expit, logit
 
+from pawnb.core.paws.offline.quality.departure import departs_from_clicks
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
 from pawnb.core.paws.offline.quality.one_place import on_one_place, on_one_place_in_space
 from pawnb.core.paws.offline.quality.parameters import QUALITY
@@ -148,6 +149,7 @@ def measure_places(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> 
         on_one_place(labels, limits),
         on_one_place_in_space(labels, limits),
         _leaps(labels, limits),
+        departs_from_clicks(labels, limits),
     ]
 
 

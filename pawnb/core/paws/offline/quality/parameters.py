@@ -83,6 +83,15 @@ class QualityParameters:
         Mathematics: of two names on one place at most one is right.
     shared_clicked : float
         Share of the distance of clicks beyond which two points are on two places. Set by hand.
+    usual_most : float
+        Share of a point's steps from frame to frame that are no longer than its usual longest one;
+        a track departs from a click where it jumps by more and by twice what counts as right.
+        Set by hand.
+    departs : float
+        Shorter jumps, in leaps, are none: what animals were measured to move in one frame
+        (``leap`` is twice that).
+    departed_left : float
+        What is left of labels of a track that departed from a click. Set by hand.
     telling : float
         A measure that takes less than this share of a point's labels is not named. Set by hand.
     telling_left : float
@@ -121,6 +130,9 @@ class QualityParameters:
     hardly_fall: tuple[float, float, float] = (0.7, 1.0, 0.5)
     shared_left: float = 0.5
     shared_clicked: float = 0.5
+    usual_most: float = 0.9
+    departs: float = 0.5
+    departed_left: float = 0.1
     telling: float = 0.04
     telling_left: float = 0.75
     most_reasons: int = 3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -65,6 +65,30 @@ class SmoothedTracks:
     def points(self, which: np.ndarray | slice) -> SmoothedTracks:
         """Return the tracks of some points, without what they were smoothed from."""
         return SmoothedTracks(*(getattr(self, name)[:, which] for name in _OF_POINTS))
+
+    def within(self, reach: float) -> SmoothedTracks:
+        """Return these tracks without what was only predicted, and lies further than any point can.
+
+        Parameters
+        ----------
+        reach : float
+            Largest distance of a point from the middle of the others that were found, as ``x``.
+
+        Returns
+        -------
+        SmoothedTracks
+            NaN where no view found a point and its prediction has left the animal.
+        """
+        found = np.isfinite(self.measured[..., 0]).any(axis=-1)
+        away = np.full(found.shape, np.nan)
+        for p in range(found.shape[1]):
+            others = np.where(found[..., None], self.x, np.nan)
+            others[:, p] = np.nan
+            some = np.isfinite(others[..., 0]).any(axis=1)
+            middle = np.nanmedian(others[some], axis=1)
+            away[some, p] = np.linalg.norm(self.x[some, p] - middle, axis=-1)
+        lost = (~found & (away > reach))[..., None]
+        return replace(self, x=np.where(lost, np.nan, self.x), sd=np.where(lost, np.nan, self.sd))
 
     def with_points(self, which: BoolArray, tracks: SmoothedTracks) -> SmoothedTracks:
         """Return these tracks with those of the points that ``which`` (P,) picks out, in order.

@@ -44,7 +44,8 @@ def run_pipeline(recording: Recording) -> SmoothedTracks:
         if not learnt.stride.is_known and state.passes > 1:
             break
         state = track_once(learnt)
-    return diagnose(state).smoothed.points(slice(len(recording.layout.kinds)))
+    smoothed = diagnose(state).smoothed.points(slice(len(recording.layout.kinds)))
+    return smoothed.within(TREADMILL.pipeline_beyond * recording.scene.body_scale)
 
 
 def track_once(state: PipelineState) -> PipelineState:

@@ -348,3 +348,59 @@ def test_a_method_that_gives_probabilities_is_not_looked_at_again(filmed):
     own = tracks.copy(deep=True)
     own["image_confidence"].attrs[CALIBRATED] = 1
     assert "image_likeness" not in add_likeness(film, own, clicks)
+
+
+CLICKED = 80
+
+
+def clicked_walk(uv_of=lambda uv: uv):
+    """Tracks that pass through clicks of frame 80, and the clicks."""
+    tracks, uv = walk()
+    put(tracks, uv_of(uv.copy()))
+    tracks["image_position"][CLICKED, 0, ..., 0] = uv[CLICKED].T
+    tracks["image_origin"][CLICKED] = ORIGIN_CODE["edited"]
+    clicks = pd.DataFrame(uv[CLICKED], columns=["u", "v"]).assign(
+        frame=CLICKED, view="side", point=tracks["keypoint"].to_numpy()
+    )
+    return tracks, clicks
+
+
+def leaves(rows, *, by):
+    def moved(uv):
+        uv[rows, 0] -= [by * BODY, 0.0]
+        return uv
+
+    return moved
+
+
+@pytest.mark.parametrize("rows", [slice(CLICKED + 1, N), slice(0, CLICKED)])
+def test_what_follows_a_jump_from_a_click_is_not_believed(rows):
+    """FR is nine tenths of a body size off on one side of its click, and sure of it."""
+    tracks, clicks = clicked_walk(leaves(rows, by=0.9))
+    own = point(assess(tracks, clicks=clicks), "FR")
+    share = len(range(N)[rows]) / (N - 1)
+    assert own.expected_right == pytest.approx(1.0 - 0.9 * share, abs=0.03)
+    assert own.verdict != "good"
+    assert any("does not go on from where it was clicked" in reason for reason in own.reasons)
+
+
+def test_a_track_that_goes_on_from_its_click_is_believed():
+    """It moves by up to a seventh of the body in a frame, as swings at low rates do."""
+    tracks, clicks = clicked_walk()
+    assert assess(tracks, clicks=clicks).verdict == "good"
+    apart, clicks = clicked_walk(leaves(slice(CLICKED + 1, N), by=0.15))
+    assert point(assess(apart, clicks=clicks), "FR").verdict == "good"
+
+
+def test_a_correction_that_was_not_followed_says_nothing_of_other_frames():
+    tracks, clicks = clicked_walk()
+    tracks["image_position"][30, 0, 0, 0] -= 0.9 * BODY
+    tracks["image_origin"][30, 0, 0] = ORIGIN_CODE["edited"]
+    reasons = point(assess(tracks, clicks=clicks), "FR").reasons
+    assert not any("does not go on" in reason for reason in reasons)
+
+
+def test_without_clicks_nothing_is_said():
+    tracks, _ = clicked_walk(leaves(slice(CLICKED + 1, N), by=0.9))
+    reasons = point(assess(tracks), "FR").reasons
+    assert not any("does not go on" in reason for reason in reasons)
