@@ -16,11 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray, FloatArray
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
@@ -31,6 +32,9 @@ from pawnb.core.paws.offline.scene.stack import BodyStack
 _TINY_NORM, _FLAT, _EVEN_SCORES, _MOST_LOG = 1e-6, 1e-2, 1e-3, 50.0
 """Guard: least norm of a patch, variance of grey values and standard deviation of scores, as what
 is flat correlates with nothing; largest exponent."""
+_KEPT_SPECTRA = 16
+"""Resource: clicks of whose patches the Fourier transforms are kept, about 1 MB each; frames go by
+in order, so that each thread needs those of one or two."""
 
 
 @dataclass(frozen=True)
@@ -149,10 +153,20 @@ def _find_point(
     """Return row, point, x, y (px of small pictures) and log-odds of peaks, (m, 5)."""
     clicked = np.array(sorted(patches))
     wanted = [t for t in range(len(small)) if t not in patches]
+    height, width = small[0].shape
+    x0, y0 = np.maximum(np.floor(window[0]).astype(int) - half, 0)
+    x1, y1 = np.minimum(np.ceil(window[1]).astype(int) + half + 1, (width, height))
+    if min(y1 - y0, x1 - x0) < 4 * half:
+        return np.empty((0, 5))
+    corner = np.array([x0 + half, y0 + half], float)
+
+    @lru_cache(maxsize=_KEPT_SPECTRA)
+    def spectra(row: int) -> list[Float32Array]:
+        return _spectra(patches[row], (y1 - y0, x1 - x0))
 
     def look(t: int) -> tuple[list[tuple[float, float, float]], float, float]:
         nearest = int(clicked[np.abs(clicked - t).argmin()])
-        scores = _score(small[t], patches[nearest], window, half)
+        scores = _score(small[t][y0:y1, x0:x1], spectra(nearest), corner, half)
         if scores is None:
             return [], np.nan, np.nan
         at = known.get((t, point))
@@ -190,20 +204,16 @@ def scores_of_point(seen: FloatArray) -> tuple[float, float]:
 
 
 def _score(
-    picture: ByteArray,
-    patches: Sequence[ByteArray],
-    window: tuple[FloatArray, FloatArray],
-    half: int,
+    part: ByteArray, spectra: Sequence[Float32Array], corner: FloatArray, half: int
 ) -> _Scores | None:
-    """Return standardised scores within a window, the best of the patches; None if too small."""
-    height, width = picture.shape
-    x0, y0 = np.maximum(np.floor(window[0]).astype(int) - half, 0)
-    x1, y1 = np.minimum(np.ceil(window[1]).astype(int) + half + 1, (width, height))
-    part = picture[y0:y1, x0:x1]
-    if min(part.shape) < 4 * half:
-        return None
-    best = _best_correlation(part, patches)
-    z = np.arctanh(np.clip(best, -LEARNT.highest_correlation, LEARNT.highest_correlation))
+    """Return standardised scores within a window, the best of the patches; None if all are high."""
+    z = np.arctanh(
+        np.clip(
+            _best_correlation(part, spectra, 2 * half + 1),
+            -LEARNT.highest_correlation,
+            LEARNT.highest_correlation,
+        )
+    )
     y, x = np.unravel_index(z.argmax(), z.shape)
     elsewhere = np.ones(z.shape, bool)
     elsewhere[max(0, y - half) : y + half + 1, max(0, x - half) : x + half + 1] = False
@@ -211,42 +221,49 @@ def _score(
     if not len(others):
         return None
     z = (z - others.mean()) / max(float(others.std()), _EVEN_SCORES)
-    return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
+    return _Scores(z, corner, len(spectra) * z.size / half**2)
 
 
-def _best_correlation(part: ByteArray, patches: Sequence[ByteArray]) -> FloatArray:
+def _spectra(patches: Sequence[ByteArray], shape: tuple[int, int]) -> list[Float32Array]:
+    """Return the Fourier transforms of patches, without mean and of norm 1, for a window."""
+    size = [cv2.getOptimalDFTSize(length) for length in shape]
+    found = []
+    for patch in patches:
+        own = patch.astype(np.float32)
+        own -= own.mean()
+        # the patch has no mean, and what is alike has no variance
+        own /= np.linalg.norm(own) + _TINY_NORM
+        found.append(_transformed(own, size))
+    return found
+
+
+def _best_correlation(part: ByteArray, spectra: Sequence[Float32Array], side: int) -> FloatArray:
     """Return the highest correlation coefficient of patches of one size at every place.
 
     That of ``cv2.TM_CCOEFF_NORMED``; what does not depend on the patch is worked out once, the
     Fourier transform of the picture too.
     """
-    side = patches[0].shape[0]
     height, width = (length - side + 1 for length in part.shape)
     grey = part.astype(np.float32)
     grey -= grey.mean()
     middle = (slice(side // 2, side // 2 + height), slice(side // 2, side // 2 + width))
     mean = cv2.boxFilter(grey, -1, (side, side))[middle]
     variance = cv2.sqrBoxFilter(grey, -1, (side, side))[middle] - mean * mean
-    size = [cv2.getOptimalDFTSize(length) for length in part.shape]
-    picture = _transformed(grey, size)
+    picture = _transformed(grey, spectra[0].shape)
     best = None
-    for patch in patches:
-        own = patch.astype(np.float32)
-        own -= own.mean()
-        # the patch has no mean, and what is alike has no variance
-        own /= np.linalg.norm(own) + _TINY_NORM
-        both = cv2.mulSpectrums(picture, _transformed(own, size), 0, conjB=True)
+    for own in spectra:
+        both = cv2.mulSpectrums(picture, own, 0, conjB=True)
         # what goes round the edge lies beyond the places at which a whole patch has room
         product = cv2.idft(both, flags=cv2.DFT_SCALE)[:height, :width]
         best = product if best is None else np.maximum(best, product)
     return best / np.sqrt(np.maximum(variance, _FLAT) * side**2)
 
 
-def _transformed(picture: np.ndarray, size: Sequence[int]) -> np.ndarray:
+def _transformed(picture: np.ndarray, size: Sequence[int]) -> Float32Array:
     """Return the Fourier transform of a picture with 0 about it up to a size."""
     whole = np.zeros(size, np.float32)
     whole[: picture.shape[0], : picture.shape[1]] = picture
-    return cv2.dft(whole, nonzeroRows=picture.shape[0])
+    return np.asarray(cv2.dft(whole, nonzeroRows=picture.shape[0]), np.float32)
 
 
 def _peaks(scores: _Scores, half: int, count: int) -> list[tuple[float, float, float]]:
