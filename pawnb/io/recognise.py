@@ -42,8 +42,8 @@ def find_format(path: str | Path) -> str | None:
     Raises
     ------
     InputError
-        If there is no such file, it is damaged HDF5, or a table whose cells are separated by
-        semicolons or tabs.
+        If there is no such file, it is empty, damaged HDF5, text in UTF-16, or a table whose cells
+        are separated by semicolons or tabs.
     """
     path = check_file(path, expected=_EXPECTED)
     try:
@@ -51,6 +51,12 @@ def find_format(path: str | Path) -> str | None:
             head = file.read(_HEAD_BYTES)
     except OSError as reason:
         raise InputError(f"{path}: cannot be read ({reason.strerror or reason}).") from None
+    if not head:
+        raise InputError(f"{path.name}: an empty file; copy it again from where it is whole.")
+    if head.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise InputError(
+            f"{path.name}: text in UTF-16, as Excel's 'Unicode text'; save it as UTF-8."
+        )
     if head.startswith(b"CDF"):
         return "movement"  # netCDF 3 is no HDF5
     if head.startswith(b"\x89HDF"):

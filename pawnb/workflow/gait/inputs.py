@@ -173,16 +173,16 @@ def check_alike(parts: Sequence[GaitTables]) -> None:
         If lengths, or legs, of one trial cannot be compared with those of another.
     """
     units: dict[str, str] = {}
-    kinds: dict[str, tuple[str, str]] = {}
+    kinds: dict[frozenset[str], tuple[str, str]] = {}
     for part in parts:
         names = part.events["trial"].astype(str)
         for one in part.signals:
             if one.signal == POSITION:
                 units.setdefault(one.unit, one.trial)
         for trial, legs in part.events["leg"].astype(str).groupby(names):
-            shown_legs = ", ".join(dict.fromkeys(legs))
-            for kind in {_kind_of(leg) for leg in legs}:
-                kinds.setdefault(kind, (str(trial), shown_legs))
+            # a trial may call some legs by names of its own: the next one has to do so, too
+            own = frozenset(map(_kind_of, legs))
+            kinds.setdefault(own, (str(trial), ", ".join(dict.fromkeys(legs))))
     if len(units) > 1:
         said = " and ".join(f"{unit} ({trial})" for unit, trial in units.items())
         raise InputError(f"trials are in {said}; give all one unit, or analyse them apart.")

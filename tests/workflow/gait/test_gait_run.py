@@ -179,9 +179,20 @@ def test_what_is_no_input_is_refused(tmp_path, name, message):
 
 
 def test_a_file_of_no_known_kind_is_refused(tmp_path):
-    (tmp_path / "x.avi").write_bytes(b"")
+    (tmp_path / "x.avi").write_bytes(b"RIFF")
     with pytest.raises(InputError, match=r"x\.avi: not tracks that are read here; expected tracks"):
         run_gait([tmp_path / "x.avi"])
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(b"", r"p\.csv: an empty file; copy it again"),
+     ("frame,FR_x,FR_y\n0,1,2\n".encode("utf-16"), r"p\.csv: text in UTF-16, .* save it as UTF-8")],
+)  # fmt: skip
+def test_what_keeps_a_table_from_being_read_is_said(tmp_path, content, said):
+    (tmp_path / "p.csv").write_bytes(content)
+    with pytest.raises(InputError, match=said):
+        run_gait([tmp_path / "p.csv"], fps=100.0)
 
 
 def test_an_untracked_trial_says_so(rendered_trial):

@@ -213,6 +213,18 @@ def test_legs_by_several_kinds_of_names_are_not_pooled(tmp_path):
     check_alike(parts[:1])
 
 
+def test_one_trial_may_name_some_legs_its_own_way(tmp_path):
+    """Its legs were said to be called otherwise than themselves."""
+    mixed = [
+        analyse_source(read_source(scored(tmp_path / f"{name}.csv", legs=("FR", "tail"))))
+        for name in ("a", "b")
+    ]
+    check_alike(mixed)
+    plain = analyse_source(read_source(scored(tmp_path / "c.csv")))
+    with pytest.raises(InputError, match="legs are called FR, tail in a and FR, FL in c; call"):
+        check_alike([mixed[0], plain])
+
+
 def test_sizes_must_be_numbers_and_differ():
     strides = pd.DataFrame({"animal": list("abc"), "trial": "t"})
     fields = {(name, "t"): {"mass_g": 2.0 + k} for k, name in enumerate("abc")}
