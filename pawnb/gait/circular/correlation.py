@@ -143,8 +143,8 @@ def angular_angular(
 ) -> CircularCorrelation:
     """Correlate two phases, for instance those of two pairs of legs in the same strides.
 
-    ``"jammalamadaka"``: Jammalamadaka and SenGupta (2001), as in CircStat, R and astropy; p by the
-    normal distribution. ``"fisher-lee"``: Fisher and Lee (1983), Zar
+    ``"jammalamadaka"``: Jammalamadaka and SenGupta (2001), as in CircStat, R and astropy, whose
+    function is used; p by the normal distribution. ``"fisher-lee"``: Fisher and Lee (1983), Zar
     (2010) Eq. 27.43, from sines of the differences of all pairs of pairs; p by permutation only.
     The two answer differently (0.82 and 0.89 in Zar's example): the first is about the means, which
     must exist; the second needs none.
@@ -198,9 +198,11 @@ def angular_angular(
 
 
 def _jammalamadaka(a: FloatArray, b: FloatArray) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the coefficient for orders of the second phases."""
+    """Return the coefficient for orders of the second phases; the first one is astropy's."""
+    from astropy.stats import circcorrcoef  # slow to import, needed here only
+
     u, v = _about_mean(a), _about_mean(b)
-    scale = 1.0 / math.sqrt(u @ u * (v @ v))
+    scale = float(circcorrcoef(a, b)) / float(u @ v) if u @ v else 1.0 / math.sqrt(u @ u * (v @ v))
     return lambda order: (v[order] @ u) * scale
 
 

@@ -20,7 +20,8 @@ from pawnb.errors import InputError
 from pawnb.trial import Trial, trial_document
 
 _PACKAGES = ("pawnb", "numpy", "scipy", "pandas", "xarray", "scikit-image", "scikit-learn",
-             "statsmodels", "numba", "opencv-python-headless", "av", "matplotlib")  # fmt: skip
+             "statsmodels", "numba", "opencv-python-headless", "av", "astropy",
+             "matplotlib")  # fmt: skip
 
 
 def package_versions() -> dict[str, str]:

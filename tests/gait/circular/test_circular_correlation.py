@@ -81,16 +81,6 @@ def test_winds_of_milwaukee():
     )
 
 
-def test_the_coefficient_is_that_of_astropy():
-    from astropy.stats import circcorrcoef
-
-    rng = np.random.default_rng(4)
-    for n in (4, 11, 200):
-        a, b = rng.uniform(size=(2, n))
-        theirs = float(circcorrcoef(2 * np.pi * a, 2 * np.pi * b))
-        assert angular_angular(a, b, n_permutations=9).r == pytest.approx(theirs, abs=1e-12)
-
-
 def test_phases_that_follow_each_other_correlate_wholly():
     phases = np.array([0.1, 0.35, 0.5, 0.62, 0.9])
     assert angular_angular(phases, phases + 0.2, method="fisher-lee").r == pytest.approx(1)
