@@ -20,6 +20,7 @@ from pawnb.core.paws.offline.quality.parameters import LIMITS
 from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.hidden import with_hidden_sd
 from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill, warn_of_ambiguous_colour
 from pawnb.core.paws.request import TrackingRequest
@@ -87,7 +88,7 @@ def track_offline(
         tracks.attrs["evidence"] = kind
         complete = tracks.sizes["time"] >= n
         if settings.evidence == kind or not complete:
-            return tracks
+            return with_hidden_sd(tracks, task.frames)
         quality = assess(add_likeness(views, tracks, start), clicks=start)
         shared = share_on_one_place(tracks, start)
         if best is None or (not shared and _is_better(quality, best[0], shared=best[2])):
@@ -95,7 +96,8 @@ def track_offline(
         if best[0].expected_right >= enough:
             break
     if best is not None and best[0].verdict != "failed":
-        return best[1]
+        # which way is the better was measured with what the smoothing alone states
+        return with_hidden_sd(best[1], task.frames)
     tracks = track_learnt(views, start, task, looked=looked, stacks=stacks, again=again)
     tracks.attrs["evidence"] = BY_LEARNT
     return tracks
