@@ -32,7 +32,8 @@ def with_hidden_sd(tracks: Tracks, frames: tuple[int, int]) -> Tracks:
         return tracks
     frame = tracks["frame"].to_numpy()
     origin = tracks["image_origin"].isel(individual=0).transpose("time", "keypoint", "view")
-    seen = np.isin(origin.to_numpy(), [ORIGIN_CODE["measured"], ORIGIN_CODE["edited"]]).any(axis=-1)
+    has_it = np.isin(origin.to_numpy(), [ORIGIN_CODE["measured"], ORIGIN_CODE["edited"]])
+    seen = np.asarray(has_it.any(axis=-1))
     x = tracks["position"].isel(individual=0).transpose("time", "keypoint", "space").to_numpy()
     hidden_s = frames_hidden(seen, frame) / float(tracks.attrs["fps"])
     more = body_size(x) * np.minimum(TREADMILL.hidden_speed * hidden_s, TREADMILL.hidden_most)
