@@ -312,11 +312,7 @@ class SpaceFitter:
         """
         model, settings = self.model, self.model.settings
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        value, owner, along, joints = self.canvas(image_evidence)
-        paint_space(
-            model.layout, x, model.coefs, parts, self.shown, blur, image_evidence.box, value, owner,
-            along, joints,
-        )  # fmt: skip
+        value, owner, along, joints = self._paint(parts, image_evidence, x, blur)
         matrix, vector = np.zeros((len(x), len(x))), np.zeros(len(x))
         matrix[0, 0] = 1e-9
         cost = add_picture(
@@ -346,14 +342,17 @@ class SpaceFitter:
         tuple of ndarray
             As :func:`paint` fills them.
         """
-        model = self.model
-        parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        canvas = self.canvas(image_evidence)
-        value, owner, along, joints = canvas
+        parts = self.model.body_parts(one.xy, one.heading_deg, float(x[0]))
+        return self._paint(parts, image_evidence, x, self.blur)
+
+    def _paint(
+        self, parts: FloatArray, image_evidence: ImageEvidence, x: FloatArray, blur: float
+    ) -> tuple[np.ndarray, ...]:
+        """Return the second picture with the body's parts and the legs of ``x``."""
+        model, canvas = self.model, self.canvas(image_evidence)
         paint_space(
-            model.layout, x, model.coefs, parts, self.shown, self.blur, image_evidence.box,
-            value, owner, along, joints,
-        )  # fmt: skip
+            model.layout, x, model.coefs, parts, self.shown, blur, image_evidence.box, *canvas
+        )
         return canvas
 
 
