@@ -65,7 +65,7 @@ class PipelineState:
 
     @classmethod
     def begin(
-        cls, recording: Recording, targets: Targets, paths: TrackletAssociator, first: np.ndarray
+        cls, recording: Recording, targets: Targets, paths: TrackletAssociator, first: FloatArray
     ) -> PipelineState:
         """Return what is known before points are tracked: the first choice, and nothing else.
 
