@@ -107,7 +107,7 @@ class Rig:
         """
         return dlt.triangulate(self.coefs, uv, refine=refine, even=even)
 
-    def reprojection_error(self, xyz: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    def reprojection_error(self, xyz: Points3D, uv: Points2D) -> FloatArray:
         """Return the distance in px (..., n_views) of points (..., 3) from where seen."""
         return dlt.reprojection_error(self.coefs, xyz, uv)
 
@@ -126,7 +126,7 @@ class Rig:
         places = [self.index(name) for name in names]
         return dataclasses.replace(self, names=names, coefs=self.coefs[:, places])
 
-    def facing(self, name: str, *, at: Sequence[float] | np.ndarray | None = None) -> int:
+    def facing(self, name: str, *, at: Sequence[float] | FloatArray | None = None) -> int:
         """Say which way an animal that moves along ``forward`` faces in one view.
 
         The sign of the change of u for a small step along ``forward``. In a perspective
@@ -167,7 +167,7 @@ class Rig:
         return 1 if cosine > 0 else -1
 
     def epipolar_line(
-        self, view_from: str, uv: Sequence[float] | np.ndarray, view_to: str, *,
+        self, view_from: str, uv: Sequence[float] | Points2D, view_to: str, *,
         size: tuple[int, int],
     ) -> FloatArray:  # fmt: skip
         """Return where a point seen in one view can be in another.

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from pawnb.arrays import IntArray
 from pawnb.errors import InputError
 from pawnb.schema.settings import shown
 
@@ -74,7 +75,7 @@ def check_fps(fps: float) -> None:
 
 
 def make_tracks(
-    frames: Sequence[int] | np.ndarray,
+    frames: Sequence[int] | IntArray,
     points: Sequence[str],
     *,
     fps: float,

@@ -5,6 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray
+
 _REACHES_PX = (10, 20, 40, 80)
 """Half sides of the squares around a click that are looked at, smallest first."""
 _LEAST_CONTRAST = 20.0
@@ -16,7 +18,7 @@ _NEAR_RADII = 1.5
 """A mark is meant where the click is within that many of its radii of the centre."""
 
 
-def snap_to_ball(grey: np.ndarray, u: float, v: float) -> tuple[float, float] | None:
+def snap_to_ball(grey: ByteArray, u: float, v: float) -> tuple[float, float] | None:
     """Find the centre of the round mark that a click is on.
 
     The square around the click is split into bright and dark (Otsu 1979); a piece that the click is

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix, lil_matrix
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray
+from pawnb.arrays import BoolArray, FloatArray, IntArray, Points3D
 from pawnb.core.calibration.optics import project_distorted, rotate
 
 _ROBUST_PX = 1.0
@@ -49,19 +49,19 @@ class ViewObservations:
 class Structure(Protocol):
     """What the cameras look at, described by a vector of free numbers."""
 
-    def start(self) -> np.ndarray:
+    def start(self) -> FloatArray:
         """Return the free numbers to begin with."""
 
-    def points(self, free: np.ndarray) -> np.ndarray:
+    def points(self, free: FloatArray) -> Points3D:
         """Return where all points are, shape (n_points, 3)."""
 
-    def columns(self, place: np.ndarray) -> np.ndarray:
+    def columns(self, place: IntArray) -> IntArray:
         """Return which free numbers each point depends on, shape (n, k)."""
 
-    def beside(self, xyz: np.ndarray) -> np.ndarray:
+    def beside(self, xyz: Points3D) -> FloatArray:
         """Return residuals that come with the points themselves, px."""
 
-    def beside_columns(self) -> np.ndarray:
+    def beside_columns(self) -> IntArray:
         """Return which free numbers each of those depends on, shape (m, k)."""
 
 
@@ -113,25 +113,25 @@ class KnownPoints:
         The positions.
     """
 
-    xyz: np.ndarray
+    xyz: Points3D
 
-    def start(self) -> np.ndarray:
+    def start(self) -> FloatArray:
         """Return nothing: no number is free."""
         return np.zeros(0)
 
-    def points(self, free: np.ndarray) -> np.ndarray:  # noqa: ARG002
+    def points(self, free: FloatArray) -> Points3D:  # noqa: ARG002
         """Return the positions."""
         return self.xyz
 
-    def columns(self, place: np.ndarray) -> np.ndarray:
+    def columns(self, place: IntArray) -> IntArray:
         """Return nothing."""
         return np.zeros((len(place), 0), int)
 
-    def beside(self, xyz: np.ndarray) -> np.ndarray:  # noqa: ARG002
+    def beside(self, xyz: Points3D) -> FloatArray:  # noqa: ARG002
         """Return nothing."""
         return np.zeros(0)
 
-    def beside_columns(self) -> np.ndarray:
+    def beside_columns(self) -> IntArray:
         """Return nothing."""
         return np.zeros((0, 0), int)
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, Points2D, Points3D
 from pawnb.errors import CalibrationError
 from pawnb.io.cameras import Camera
 
@@ -48,7 +48,7 @@ def project_distorted(cameras: FloatArray, xyz: FloatArray) -> FloatArray:
     return np.stack([f * bent_x + cx, f * aspect * bent_y + cy], axis=1)
 
 
-def show_points(camera: Camera, xyz: np.ndarray) -> np.ndarray:
+def show_points(camera: Camera, xyz: Points3D) -> Points2D:
     """Return where a camera, as filmed, shows points, and only those that it can show.
 
     Parameters

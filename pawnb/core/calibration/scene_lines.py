@@ -6,6 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pawnb.arrays import Points2D, Points3D
+
 AXES = {"x": "#d55e00", "y": "#009e73", "z": "#56b4e9"}
 """Colours that most people can tell apart (Okabe & Ito 2008)."""
 GRID_COLOUR = "#f0e442"
@@ -15,7 +17,7 @@ _LINE_SAMPLES = 13
 
 
 def scene_lines(
-    show: Callable[[np.ndarray], np.ndarray], *, around: np.ndarray
+    show: Callable[[Points3D], Points2D], *, around: Points3D
 ) -> tuple[list[dict[str, object]], list[dict[str, object]]]:
     """Return a grid on the plane z = 0, and the three axes from zero.
 

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from scipy.linalg import rq
 
+from pawnb.arrays import BoolArray, FloatArray, Points2D, Points3D
 from pawnb.core import dlt
 from pawnb.core.calibration.bundle import KnownPoints, ViewObservations, adjust
 from pawnb.core.calibration.optics import (
@@ -39,12 +40,12 @@ class ViewFit:
         How far each click is from where the view shows its point.
     """
 
-    coefs: np.ndarray
+    coefs: FloatArray
     camera: Camera | None
-    inside: np.ndarray
-    residual_px: np.ndarray
+    inside: BoolArray
+    residual_px: FloatArray
 
-    def show(self, xyz: np.ndarray) -> np.ndarray:
+    def show(self, xyz: Points3D) -> Points2D:
         """Return where the picture as filmed shows points.
 
         Parameters
@@ -64,9 +65,7 @@ class ViewFit:
         return np.where(before[:, None], dlt.project(self.coefs, xyz)[:, 0], np.nan)
 
 
-def fit_view(
-    xyz: np.ndarray, uv: np.ndarray, *, size: tuple[int, int], bends: bool = False
-) -> ViewFit:
+def fit_view(xyz: Points3D, uv: Points2D, *, size: tuple[int, int], bends: bool = False) -> ViewFit:
     """Calibrate a view by points of known position.
 
     Parameters

@@ -24,11 +24,11 @@ more than one camera fits; a calibration frame of ordinary shape has 0.05 or mor
 class DltFit(NamedTuple):
     """A fitted view: ``coefs`` (11,) and ``residual_px`` (n_points,), in px."""
 
-    coefs: np.ndarray
-    residual_px: np.ndarray
+    coefs: FloatArray
+    residual_px: FloatArray
 
 
-def fit_dlt(xyz: np.ndarray, uv: Points2D, *, refine: bool = True) -> DltFit:
+def fit_dlt(xyz: Points3D, uv: Points2D, *, refine: bool = True) -> DltFit:
     """Fit the coefficients of one view to points of known position.
 
     World and image coordinates are centred and scaled first (Hartley & Zisserman 2004,

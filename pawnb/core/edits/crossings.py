@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import Points2D
+
 CLOSE = 0.25
 """Two points pass each other where they come nearer than this share of their usual (median)
 distance in some view. A choice, not a measurement: feet of a left and right leg that are at
 opposite phases come within a tenth of it twice a stride, feet that keep their distance never do."""
 
 
-def find_crossings(first: np.ndarray, second: np.ndarray) -> list[tuple[int, int, int]]:
+def find_crossings(first: Points2D, second: Points2D) -> list[tuple[int, int, int]]:
     """Find the encounters in which two points pass each other.
 
     Parameters

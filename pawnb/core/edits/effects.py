@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D
+from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D, Points3D
 from pawnb.core.edits.pose_stretches import edit_legs, hide_leg
 from pawnb.core.edits.records import (
     Accept,
@@ -50,10 +50,10 @@ class RigLike(Protocol):
     def names(self) -> Any:
         """Names of its views."""
 
-    def triangulate(self, uv: np.ndarray) -> Any:
+    def triangulate(self, uv: Points2D) -> Any:
         """Return xyz (..., 3) and residual_px (...) of uv (..., V, 2)."""
 
-    def project(self, xyz: np.ndarray) -> np.ndarray:
+    def project(self, xyz: Points3D) -> Points2D:
         """Return uv (..., V, 2) of xyz (..., 3)."""
 
 
@@ -356,7 +356,7 @@ def usable_views(uv: Points2D, origin: IntArray) -> BoolArray:
 
 
 def triangulate_views(
-    tracks: Tracks, rig: RigLike, uv: np.ndarray, *, used: np.ndarray
+    tracks: Tracks, rig: RigLike, uv: Points2D, *, used: BoolArray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Triangulate image positions that are in the order of the views of the tracks.
 

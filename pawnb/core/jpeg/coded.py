@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import IntArray
+from pawnb.arrays import ByteArray, IntArray
 from pawnb.core.jpeg.block_kernels import STRIP_PX, decode_units
 from pawnb.core.jpeg.header import JpegHeader, header_length, read_plan
 from pawnb.core.jpeg.huffman_kernels import MOST_BITS, scan_units, take_words
@@ -39,9 +39,7 @@ class CodedPicture:
     begins: IntArray
     levels: IntArray
 
-    def planes(
-        self, u0: int, v0: int, u1: int, v1: int
-    ) -> tuple[list[np.ndarray], tuple[int, int]]:
+    def planes(self, u0: int, v0: int, u1: int, v1: int) -> tuple[list[ByteArray], tuple[int, int]]:
         """Decode a part.
 
         Parameters

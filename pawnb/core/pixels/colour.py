@@ -35,7 +35,7 @@ class Picture(Protocol):
     def is_colour(self) -> bool:
         """Whether regions are RGB rather than grey."""
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return that half-open region, (H, W, 3) RGB or (H, W) grey, uint8.
 
         Parameters
@@ -170,7 +170,7 @@ class PalettePicture(ArrayBased):
         self.is_colour = not is_grey(palette)
         self._palette = palette.copy() if self.is_colour else palette[:, 0].copy()
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return that half-open region as a fresh array.
 
         Parameters
@@ -210,7 +210,7 @@ class LazyPicture:
         # frame twice at the same time crashes libswscale
         self._lock = threading.Lock()
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return that half-open region as a fresh array.
 
         Parameters
@@ -255,7 +255,7 @@ class PartPicture:
         self.is_colour = is_colour
         self._load = load
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return that half-open region as a fresh array.
 
         Parameters

@@ -11,6 +11,7 @@ import functools
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.pixels.colour import ArrayBased, GreyPicture, PartPicture, Picture
 
 _FIXED_POINT_BITS = 6
@@ -66,7 +67,7 @@ class YuvPicture(ArrayBased):
         self._tables = _yuv_tables(standard, full_range)
         self._matrix = _yuv_matrix(standard, full_range)
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return that half-open region as a fresh RGB array.
 
         Parameters
@@ -85,7 +86,7 @@ class YuvPicture(ArrayBased):
             out[top - v0 : bottom - v0] = self._band(u0, top, u1, bottom)
         return out
 
-    def reduced(self, u0: int, v0: int, u1: int, v1: int, factor: int) -> np.ndarray | None:
+    def reduced(self, u0: int, v0: int, u1: int, v1: int, factor: int) -> ByteArray | None:
         """Return that region reduced by a whole factor, or None where planes do not allow it.
 
         The planes are reduced and then converted, ``factor`` squared fewer pixels than the
@@ -186,7 +187,7 @@ def _shrink(plane: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return np.asarray(cv2.resize(plane, size, interpolation=cv2.INTER_AREA))
 
 
-def reduce_region(picture: Picture, box: tuple[int, int, int, int], factor: int) -> np.ndarray:
+def reduce_region(picture: Picture, box: tuple[int, int, int, int], factor: int) -> ByteArray:
     """Return a region reduced by a whole factor: each pixel is the mean of a square.
 
     Parameters

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.pose.animal import Leg
 
 DRAG_STEPS = 40
@@ -30,8 +31,8 @@ def handles(leg: Leg) -> dict[str, int]:
 
 
 def leg_places(
-    leg: Leg, root: np.ndarray, *, heading_deg: float, angles_deg: np.ndarray, steps_px: np.ndarray
-) -> np.ndarray:
+    leg: Leg, root: Points2D, *, heading_deg: float, angles_deg: FloatArray, steps_px: FloatArray
+) -> Points2D:
     """Return the places of a leg's joints and tip.
 
     Parameters
@@ -58,8 +59,8 @@ def leg_places(
 
 
 def turn_joint(
-    leg: Leg, places: np.ndarray, angles_deg: np.ndarray, *, at: int, to: np.ndarray
-) -> np.ndarray:
+    leg: Leg, places: Points2D, angles_deg: FloatArray, *, at: int, to: Points2D
+) -> FloatArray:
     """Return a leg's angles after one of its places was dragged; what is further out follows.
 
     The next free joint inwards turns, so that the place dragged lies in the direction of the
@@ -95,13 +96,13 @@ def turn_joint(
 
 def reach_tip(
     leg: Leg,
-    root: np.ndarray,
+    root: Points2D,
     *,
     heading_deg: float,
-    angles_deg: np.ndarray,
-    steps_px: np.ndarray,
-    to: np.ndarray,
-) -> np.ndarray:
+    angles_deg: FloatArray,
+    steps_px: FloatArray,
+    to: Points2D,
+) -> FloatArray:
     """Return angles that bring the tip of a leg to a place, all free joints turning together.
 
     Damped least squares (Wampler 1986); joints turn reluctantly further out of their range. A
@@ -155,7 +156,7 @@ def reach_tip(
     return angles
 
 
-def beyond_range(leg: Leg, angles_deg: np.ndarray) -> np.ndarray:
+def beyond_range(leg: Leg, angles_deg: FloatArray) -> FloatArray:
     """Return by how much each joint is beyond its range, degrees, 0 within; (n_segments,)."""
     off = np.abs(np.asarray(angles_deg) - np.array(leg.natural_deg))
     return np.maximum(off - np.array(leg.range_deg) / 2, 0.0)

@@ -260,7 +260,7 @@ def _placed_by_hand(tracks: Tracks) -> BoolArray:
 
 def choose_frames(
     doubts: FloatArray, frames: IntArray, *, apart: float, least_score: float
-) -> list[tuple[int, float, np.ndarray]]:
+) -> list[tuple[int, float, FloatArray]]:
     """Take the frame with most doubt, calm the frames around it, and go on with the next.
 
     Parameters

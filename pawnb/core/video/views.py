@@ -11,7 +11,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray, FloatArray
+from pawnb.arrays import ByteArray, FloatArray, Points2D
 from pawnb.core.closing import Closing
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.pixels.bayer import debayered
@@ -138,7 +138,7 @@ class Frame:
         pixels = reduce_region(self._picture, box, factor)
         return np.ascontiguousarray(pixels[:, ::-1]) if self._mirror else pixels
 
-    def shrunk(self, factor: int) -> np.ndarray:
+    def shrunk(self, factor: int) -> ByteArray:
         """Return the whole view reduced by a whole factor, whatever its size.
 
         Parameters
@@ -268,7 +268,7 @@ class ViewReader(Closing):
             picture = StraightPicture(picture, self.lens)
         return Frame(index, picture, self._box, mirror=self._view.mirror)
 
-    def uv_of_file(self, uv: np.ndarray) -> np.ndarray:
+    def uv_of_file(self, uv: Points2D) -> Points2D:
         """Return where positions (..., 2) in the file's own picture lie in the view, px."""
         straight = np.asarray(uv, float) if self.lens is None else self.lens.straighten(uv)
         shown = straight - np.array(self._box[:2], float)

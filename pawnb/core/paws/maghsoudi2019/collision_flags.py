@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol
 
-import numpy as np
-
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.maghsoudi2019.template_fit import TemplateFit
 
@@ -16,7 +14,7 @@ class Candidates(Protocol):
     """What is needed of a detection: the places of the best superpixels, best first."""
 
     @property
-    def places(self) -> np.ndarray:
+    def places(self) -> Points2D:
         """Positions, px, shape (k, 2)."""
         ...
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import xarray as xr
 
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.core import dlt
@@ -26,9 +25,9 @@ from pawnb.core.paws.offline.quality.measures import (
     usual_span,
 )
 from pawnb.core.paws.offline.quality.parameters import LIMITS, QUALITY
-from pawnb.core.paws.offline.treadmill.output import keep_rows
+from pawnb.core.paws.offline.treadmill.output import blank_tracks, keep_rows
 from pawnb.core.paws.request import TrackingRequest
-from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
+from pawnb.schema import ORIGIN_CODE, Tracks
 
 _UNKNOWN_PX = 1e3
 """Guard: standard deviation, px, of places of which none is known; it leaves them no weight."""
@@ -162,19 +161,8 @@ def _as_tracks(
     chance: FloatArray,
 ) -> Tracks:
     """Return the arrays as Tracks, joined to what is gone on from."""
-    first, n = task.frames[0], len(x)
-    rows, kept = np.arange(first, first + n), np.empty(0, int)
-    if task.tracks is not None:
-        known = task.tracks["frame"].to_numpy()
-        kept = known[(known < first) | (known >= first + n)]
-        rows = np.sort(np.concatenate([kept, rows]))
-    new = make_tracks(
-        rows, layout.points, fps=task.fps, views=layout.views,
-        space=("x", "y") if layout.rig is None else ("x", "y", "z"), individual=task.individual,
-        unit="px" if layout.rig is None else task.unit,
-    )  # fmt: skip
-    new["sd"] = new["position"].copy()
-    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
+    n = len(x)
+    new, begin, kept = blank_tracks(layout, task, n, in_space=layout.rig is not None)
     known_x = np.isfinite(x[..., 0])
     seen = np.isin(image_origin, [ORIGIN_CODE["measured"], ORIGIN_CODE["edited"]])
     enough = seen.sum(axis=2) >= (1 if layout.rig is None else 2)
@@ -182,7 +170,7 @@ def _as_tracks(
     edited = (image_origin == ORIGIN_CODE["edited"]).any(axis=2)
     origin = np.where(edited, ORIGIN_CODE["edited"], origin)
     origin = np.where(known_x, origin, ORIGIN_CODE["missing"])
-    at = slice(int(np.searchsorted(rows, first)), int(np.searchsorted(rows, first)) + n)
+    at = slice(begin, begin + n)
     new["position"][at, ..., 0] = np.swapaxes(x, 1, 2)
     new["sd"][at, ..., 0] = np.swapaxes(sd, 1, 2)
     new["origin"][at, ..., 0] = origin

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, Points3D
 from pawnb.core.paws.start_proposal.parameters import PAW_PROPOSAL
 from pawnb.core.paws.start_proposal.places import CandidatePlaces, Stage
 from pawnb.core.rig import Rig
@@ -81,7 +81,7 @@ class ViewGeometry:
 
 def choose_places(
     parts: Sequence[CandidatePlaces], *, paws: Sequence[Paw], stage: Stage, geometry: ViewGeometry
-) -> dict[Paw, tuple[np.ndarray, float]]:
+) -> dict[Paw, tuple[Points3D, float]]:
     """Choose a place for each paw in one frame.
 
     Parameters

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.pullar2009.energy import Cut, FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.limb_steps import (
     FLAT_EXPONENT,
@@ -41,13 +42,13 @@ class FramePose:
         Rounds of position, angles and min-cut.
     """
 
-    pose: np.ndarray
+    pose: FloatArray
     cut: Cut
     rounds: int
 
 
 def infer_pose(
-    energy: Pullar2009Energy, frame: FrameCosts, guess: np.ndarray, *, rng: np.random.Generator
+    energy: Pullar2009Energy, frame: FrameCosts, guess: FloatArray, *, rng: np.random.Generator
 ) -> FramePose:
     """Return the pose of least energy that the 2009 search finds from a guess.
 

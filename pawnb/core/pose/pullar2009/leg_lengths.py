@@ -22,7 +22,7 @@ from pawnb.core.pose.pullar2009.sticks import Sticks, distance_map
 
 
 def fit_leg_lengths(
-    energy: Pullar2009Energy, frame: FrameCosts, pose: np.ndarray, *, rng: np.random.Generator
+    energy: Pullar2009Energy, frame: FrameCosts, pose: FloatArray, *, rng: np.random.Generator
 ) -> tuple[Pullar2009Energy, FloatArray]:
     """Find how long each leg looks.
 
@@ -72,12 +72,12 @@ def lengths_tried() -> FloatArray:
     return np.arange(p.lengths_from, p.lengths_to + p.lengths_step / 2, p.lengths_step)
 
 
-def scaled(sticks: Sticks, factors: np.ndarray) -> Sticks:
+def scaled(sticks: Sticks, factors: FloatArray) -> Sticks:
     """Return the shape with each leg's lengths multiplied by its factor."""
     return dataclasses.replace(sticks, length=sticks.length * factors[:, None])
 
 
-def per_segment(animal: StickAnimal, factors: np.ndarray) -> np.ndarray:
+def per_segment(animal: StickAnimal, factors: FloatArray) -> FloatArray:
     """Return the factor of each segment, shape (n_segments,), from those of the legs."""
     return np.repeat(factors, [len(leg.segments) for leg in animal.legs])
 

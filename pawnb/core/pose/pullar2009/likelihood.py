@@ -73,7 +73,7 @@ def subject_cost(picture: np.ndarray, *, mean: float, sd: float) -> Float32Array
     return (0.5 * away**2 + np.float32(math.log(sd))).astype(np.float32)
 
 
-def subject_box(cost: np.ndarray, *, box_share: float = 1.0) -> tuple[int, int, int, int]:
+def subject_box(cost: Float32Array, *, box_share: float = 1.0) -> tuple[int, int, int, int]:
     """Return the box of the subject (Fig. 3.4a-c).
 
     Parameters

@@ -27,7 +27,7 @@ _ROUNDED = 1.0001
 """Numerics: bounds are this much higher, so that rounding of sums does not decide."""
 
 
-def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> BoolArray:
+def cut_grid(own: Float32Array, right: Float32Array, down: Float32Array) -> BoolArray:
     """Return the labels of least energy.
 
     Parameters
@@ -54,7 +54,7 @@ def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> BoolArray:
 
 
 def grid_energy(
-    labels: BoolArray, own: np.ndarray, *, right: np.ndarray, down: np.ndarray
+    labels: BoolArray, own: Float32Array, *, right: Float32Array, down: Float32Array
 ) -> tuple[float, float]:
     """Return the energy of labels: the sum of pixels' own costs, and that of pairs.
 

@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
@@ -254,7 +255,7 @@ class _Tracker:
         )
 
 
-def check_start(energy: Pullar2009Energy, picture: np.ndarray, start: Poses) -> None:
+def check_start(energy: Pullar2009Energy, picture: ByteArray, start: Poses) -> None:
     """Refuse a start pose that is not on the animal or reaches outside the picture.
 
     Parameters
@@ -299,7 +300,7 @@ def check_start(energy: Pullar2009Energy, picture: np.ndarray, start: Poses) -> 
 
 
 def part_outside(
-    sticks: Sticks, pose: np.ndarray, size: tuple[int, int], *, animal: StickAnimal
+    sticks: Sticks, pose: FloatArray, size: tuple[int, int], *, animal: StickAnimal
 ) -> str | None:
     """Return what lies outside a picture of that width and height: a leg's name, the body, or None.
 

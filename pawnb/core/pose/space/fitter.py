@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from pawnb.arrays import BoolArray, FloatArray
+from pawnb.arrays import BoolArray, FloatArray, Points2D
 from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.blur import SQRT5
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence, make_evidence
@@ -68,8 +68,8 @@ class SpaceFitter:
         return np.ones(len(self.model.animal.legs), bool)
 
     def crop(
-        self, frame: Frame, xy: np.ndarray, *, places: np.ndarray, heights: tuple[float, float]
-    ) -> tuple[np.ndarray, tuple[int, int, int, int]]:
+        self, frame: Frame, xy: Points2D, *, places: Points2D, heights: tuple[float, float]
+    ) -> tuple[FloatArray, tuple[int, int, int, int]]:
         """Return the second view's crop that holds the animal at some heights, and its box.
 
         Parameters
@@ -101,7 +101,7 @@ class SpaceFitter:
         box = (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
         return self.evidence.pixels(frame, box), box
 
-    def image_evidence(self, image: np.ndarray, box: tuple[int, int, int, int]) -> ImageEvidence:
+    def image_evidence(self, image: FloatArray, box: tuple[int, int, int, int]) -> ImageEvidence:
         """Return the darkness of a crop of the second view."""
         u0, v0, u1, v1 = box
         mean, sd = self.evidence.mean[v0:v1, u0:u1], self.evidence.sd[v0:v1, u0:u1]
@@ -117,7 +117,7 @@ class SpaceFitter:
         return make_canvas(height, width, self.model.layout)
 
     def body_height(
-        self, one: SpaceFrame, image_evidence: ImageEvidence, heights: np.ndarray
+        self, one: SpaceFrame, image_evidence: ImageEvidence, heights: FloatArray
     ) -> float:
         """Return at which of some heights the body explains most of the second picture.
 
@@ -150,7 +150,7 @@ class SpaceFitter:
 
     def guess(
         self, one: SpaceFrame, image_evidence: ImageEvidence, body: float | None = None
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Return unknowns to start from: every leg in an even arch from body to ground.
 
         Parameters
@@ -180,11 +180,11 @@ class SpaceFitter:
         self,
         one: SpaceFrame,
         image_evidence: ImageEvidence,
-        x: np.ndarray,
+        x: FloatArray,
         *,
         known: Known,
         coarse: bool = False,
-    ) -> tuple[np.ndarray, float]:
+    ) -> tuple[FloatArray, float]:
         """Return the unknowns that fit both views best near ``x``, and their cost.
 
         ``coarse`` looks further away first.
@@ -239,7 +239,7 @@ class SpaceFitter:
                     break
         return x, cost
 
-    def solve(self, matrix: np.ndarray, right: np.ndarray, damping: float) -> np.ndarray:
+    def solve(self, matrix: FloatArray, right: FloatArray, damping: float) -> FloatArray:
         """Return the solution of the damped equations; legs meet only through the body's height.
 
         Parameters
@@ -285,11 +285,11 @@ class SpaceFitter:
         self,
         one: SpaceFrame,
         image_evidence: ImageEvidence,
-        x: np.ndarray,
+        x: FloatArray,
         *,
         known: Known,
         blur: float,
-    ) -> tuple[float, np.ndarray, np.ndarray]:
+    ) -> tuple[float, FloatArray, FloatArray]:
         """Return cost, Gauss-Newton matrix and gradient at ``x``.
 
         Parameters
@@ -312,11 +312,7 @@ class SpaceFitter:
         """
         model, settings = self.model, self.model.settings
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        value, owner, along, joints = self.canvas(image_evidence)
-        paint_space(
-            model.layout, x, model.coefs, parts, self.shown, blur, image_evidence.box, value, owner,
-            along, joints,
-        )  # fmt: skip
+        value, owner, along, joints = self._paint(parts, image_evidence, x, blur)
         matrix, vector = np.zeros((len(x), len(x))), np.zeros(len(x))
         matrix[0, 0] = 1e-9
         cost = add_picture(
@@ -346,14 +342,17 @@ class SpaceFitter:
         tuple of ndarray
             As :func:`paint` fills them.
         """
-        model = self.model
-        parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        canvas = self.canvas(image_evidence)
-        value, owner, along, joints = canvas
+        parts = self.model.body_parts(one.xy, one.heading_deg, float(x[0]))
+        return self._paint(parts, image_evidence, x, self.blur)
+
+    def _paint(
+        self, parts: FloatArray, image_evidence: ImageEvidence, x: FloatArray, blur: float
+    ) -> tuple[np.ndarray, ...]:
+        """Return the second picture with the body's parts and the legs of ``x``."""
+        model, canvas = self.model, self.canvas(image_evidence)
         paint_space(
-            model.layout, x, model.coefs, parts, self.shown, self.blur, image_evidence.box,
-            value, owner, along, joints,
-        )  # fmt: skip
+            model.layout, x, model.coefs, parts, self.shown, blur, image_evidence.box, *canvas
+        )
         return canvas
 
 

@@ -215,7 +215,7 @@ def _sureness(close: float, size: float, limb: LimbOutline, margin: float) -> fl
     )
 
 
-def count_crossings(chains: Sequence[np.ndarray]) -> int:
+def count_crossings(chains: Sequence[FloatArray]) -> int:
     """Count pairs of legs, (n, 2) joints each, whose lines cross."""
     count = 0
     for a, b in itertools.combinations(chains, 2):

@@ -55,8 +55,8 @@ class Silhouette:
         Area of the next largest thing in the picture, as a share of the animal's.
     """
 
-    mask: np.ndarray
-    core: np.ndarray
+    mask: BoolArray
+    core: BoolArray
     depth: np.ndarray
     ridge: np.ndarray
     origin: tuple[int, int]
@@ -69,7 +69,7 @@ class Silhouette:
         offset = (self.shrink - 1) / 2
         return np.asarray(points, dtype=float) * self.shrink + offset + np.array(self.origin)
 
-    def to_grid(self, points: np.ndarray) -> np.ndarray:
+    def to_grid(self, points: FloatArray) -> FloatArray:
         """Return (..., 2) points u, v of the view in px of the grid."""
         offset = (self.shrink - 1) / 2
         return (np.asarray(points, dtype=float) - np.array(self.origin) - offset) / self.shrink

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.core import dlt
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.association.estimates import modes
@@ -21,13 +22,13 @@ deviation; beyond it is below exp(-10)."""
 
 
 def epipolar_support(
-    posteriors: Sequence[Mapping[int, np.ndarray]],
+    posteriors: Sequence[Mapping[int, Float32Array]],
     stacks: Sequence[BodyStack],
     *,
     names: Sequence[str],
     rig: Rig,
     radius: float,
-) -> list[dict[int, np.ndarray]]:
+) -> list[dict[int, Float32Array]]:
     """Return how far every place of each view is supported by the other views.
 
     Parameters

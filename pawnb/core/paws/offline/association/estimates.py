@@ -65,7 +65,7 @@ def estimate(posterior: Float32Array, radius: float) -> Estimates:
     return Estimates(table[:, :2], np.clip(table[:, 2], 0, 1), table[:, 3])
 
 
-def modes(mass: np.ndarray, radius: float, count: int) -> list[tuple[np.ndarray, float]]:
+def modes(mass: Float32Array, radius: float, count: int) -> list[tuple[FloatArray, float]]:
     """Return the highest modes of one frame and their probabilities.
 
     Parameters

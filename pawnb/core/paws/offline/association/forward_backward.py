@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.parameters import AssociationParameters
 
@@ -37,11 +38,11 @@ class Posterior:
 
 
 def smooth_posterior(
-    likelihood: np.ndarray,
-    forward: np.ndarray,
-    backward: np.ndarray,
+    likelihood: Float32Array,
+    forward: Float32Array,
+    backward: Float32Array,
     *,
-    prior: np.ndarray,
+    prior: Float32Array,
     parameters: AssociationParameters,
     compared: bool = True,
 ) -> Posterior:

@@ -126,7 +126,7 @@ class PawLook(Appearance):
 
     def score(
         self, pixels: ByteArray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
-    ) -> np.ndarray:
+    ) -> Float32Array:
         """Return how far the logarithm of odds exceeds what tells neither way, (h, w) float32.
 
         Parameters

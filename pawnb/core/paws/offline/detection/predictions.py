@@ -62,7 +62,7 @@ class Predictions:
     uv: np.ndarray
     likelihood: np.ndarray
 
-    def of(self, points: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    def of(self, points: tuple[str, ...]) -> tuple[FloatArray, FloatArray]:
         """Return positions and likelihoods of points by number; NaN and 0 of other points."""
         n = len(self.uv)
         uv, likelihood = np.full((n, len(points), 2), np.nan), np.zeros((n, len(points)))

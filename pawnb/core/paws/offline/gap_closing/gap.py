@@ -34,7 +34,20 @@ class Gap:
 
     @classmethod
     def of(cls, first: int, stop: int, is_open: BoolArray) -> Gap:
-        """Return the stretch ``first`` to ``stop`` (exclusive); the first one goes backwards."""
+        """Return a stretch of open frames; one that begins a recording goes backwards.
+
+        Parameters
+        ----------
+        first, stop : int
+            Its first frame, and the one after its last.
+        is_open : ndarray of bool, shape (n,)
+            Frames in which the point is not certain.
+
+        Returns
+        -------
+        Gap
+            The stretch, and the certain frames that are read on either side.
+        """
         n = len(is_open)
         frames = np.arange(n)
         if first == 0:

@@ -154,7 +154,7 @@ def hops(stances: Sequence[Stance], is_open: BoolArray, *, least: float) -> Bool
 
 def without_hops(
     stances: Sequence[Sequence[Stance]], is_open: BoolArray, duty_factor: DutyFactor | None
-) -> tuple[list[list[Stance]], np.ndarray]:
+) -> tuple[list[list[Stance]], BoolArray]:
     """Leave out stances that no swing leads to: what follows the last of them is another paw.
 
     Parameters

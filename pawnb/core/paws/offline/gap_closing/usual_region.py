@@ -56,7 +56,7 @@ def usual_region(
     *,
     frames: IntArray,
     motion_model: MotionModel,
-    alike: Sequence[tuple[int, np.ndarray]] = (),
+    alike: Sequence[tuple[int, FloatArray]] = (),
     are_apart: bool = True,
 ) -> UsualRegion:
     """Learn where a point may be.
@@ -118,12 +118,12 @@ def usual_region(
 
 def same_kind(
     assignment: Assignment,
-    body: np.ndarray | None,
+    body: FloatArray | None,
     point: int,
     *,
     kinds: Sequence[str],
-    across: np.ndarray,
-) -> list[tuple[int, np.ndarray]]:
+    across: FloatArray,
+) -> list[tuple[int, FloatArray]]:
     """Return the other points of a kind, with the step from the side of each to this one's.
 
     Front paws go as far ahead and behind as each other, and so do hind ones; how far to the side

@@ -25,7 +25,7 @@ def log_odds(columns: FloatArray) -> FloatArray:
     return np.asarray(columns @ np.array(QUALITY.weights) + QUALITY.offset)
 
 
-def of_all_views(chance: np.ndarray) -> np.ndarray:
+def of_all_views(chance: FloatArray) -> FloatArray:
     """Return the probability that labels are right, told by all calibrated views together.
 
     A point is in one place: views that support each other along epipolar lines are right or wrong

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray
+from pawnb.arrays import BoolArray, FloatArray, Points3D
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
@@ -70,7 +70,7 @@ class BottomView(InSpace):
         right = np.stack([uv[..., 0] - L[3], uv[..., 1] - L[7], height], axis=-1)
         return np.asarray(np.linalg.solve(rows, right[..., None])[..., 0])
 
-    def at_height(self, x: np.ndarray, height: np.ndarray) -> np.ndarray:
+    def at_height(self, x: Points3D, height: FloatArray) -> Points3D:
         """Move points (n, 3) along the line of sight to other heights (n,)."""
         return self.on_plane(dlt.project(self.coefs[:, [self.view]], x)[..., 0, :], height)
 
@@ -109,7 +109,7 @@ class BottomView(InSpace):
         """Return a share of the costs: no second view has confirmed the places."""
         return np.asarray(NETWORK_FLOW.look_below * total)
 
-    def as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    def as_high(self, at: FloatArray, expected: Points3D) -> FloatArray:
         """Raise places on the plane as high as expected ones (n, 3)."""
         return self.at_height(at, expected @ self.volume.up)
 

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.association.network_flow.priors.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
@@ -39,7 +39,7 @@ class Geometry(Protocol):
         ...
 
     @property
-    def paw_width_px(self) -> np.ndarray:
+    def paw_width_px(self) -> FloatArray:
         """The same in each view (V,), px."""
         ...
 
@@ -54,17 +54,17 @@ class Geometry(Protocol):
         ...
 
     @property
-    def from_below(self) -> np.ndarray:
+    def from_below(self) -> BoolArray:
         """Which views (V,) are from below: they show middles of paws, the others ends of limbs."""
         ...
 
     @property
-    def across(self) -> np.ndarray:
+    def across(self) -> FloatArray:
         """Unit vector (d,) to the side of the animal; 0 where positions do not tell it."""
         ...
 
     @property
-    def depth_axis(self) -> np.ndarray:
+    def depth_axis(self) -> FloatArray:
         """Unit vector (d,) to the side where places have a depth; 0 where they have none."""
         ...
 
@@ -73,18 +73,18 @@ class Geometry(Protocol):
         """Share of frames in which an unlabelled target must be seen as a paw of its own."""
         ...
 
-    def away_from_cameras(self, middle: np.ndarray) -> float:
+    def away_from_cameras(self, middle: FloatArray) -> float:
         """Return the sign of ``depth_axis`` that leads away from all cameras; 0 if none does."""
         ...
 
-    def is_other_side(self, offset: np.ndarray, least: float) -> np.ndarray:
+    def is_other_side(self, offset: FloatArray, least: float) -> BoolArray:
         """Tell which offsets (n,) along ``depth_axis`` are at another side than the clicks.
 
         Without a depth nothing speaks against it.
         """
         ...
 
-    def misplacement(self, x: np.ndarray, since: Anchors, *, body: np.ndarray, point: int) -> float:
+    def misplacement(self, x: FloatArray, since: Anchors, *, body: FloatArray, point: int) -> float:
         """Return how far places are from being on the side where a point was clicked.
 
         Parameters
@@ -103,11 +103,11 @@ class Geometry(Protocol):
         """
         ...
 
-    def axes(self, up: np.ndarray, forward: np.ndarray) -> np.ndarray:
+    def axes(self, up: FloatArray, forward: FloatArray) -> FloatArray:
         """Return the axes (d, d) of movement: forward, across (in space only) and up."""
         ...
 
-    def lowest(self, height: np.ndarray) -> float:
+    def lowest(self, height: FloatArray) -> float:
         """Return the height of what paws stand on, of heights of clicks."""
         ...
 
@@ -139,7 +139,7 @@ class Geometry(Protocol):
     def learn_score(
         self,
         likelihood: AppearanceLikelihood,
-        clicks: np.ndarray,
+        clicks: FloatArray,
         found: Mapping[int, InViews],
     ) -> AppearanceLikelihood:
         """Learn what score detections of clicks have, where that is of use.
@@ -214,13 +214,13 @@ class Geometry(Protocol):
 
     def observed_elsewhere(
         self,
-        frame: np.ndarray,
-        at: np.ndarray,
+        frame: IntArray,
+        at: FloatArray,
         found: InFrames,
         *,
-        tracked_in_view: np.ndarray,
+        tracked_in_view: BoolArray,
         likelihood: AppearanceLikelihood,
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Return to what share places are seen by other views than those of a point.
 
         Parameters
@@ -247,12 +247,12 @@ class Geometry(Protocol):
         """Return what appearance counts against tracklets, of the costs of their places."""
         ...
 
-    def as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:
+    def as_high(self, at: FloatArray, expected: FloatArray) -> FloatArray:
         """Return places (n, d) of paths, as high as expected ones where paths have no height."""
         ...
 
     def lateral_prior(
-        self, chosen: np.ndarray, body: np.ndarray, *, body_scale: float
+        self, chosen: FloatArray, body: FloatArray, *, body_scale: float
     ) -> LateralPrior | None:
         """Return where points usually are to the side, where a depth tells it.
 

@@ -330,7 +330,7 @@ class SideViews(InSpace):
         return observed_elsewhere(seen, tracked_in_view)
 
     def lateral_prior(
-        self, chosen: np.ndarray, body: np.ndarray, *, body_scale: float
+        self, chosen: FloatArray, body: FloatArray, *, body_scale: float
     ) -> LateralPrior | None:
         """Learn it."""
         return learn_lateral_prior(chosen, body, self.across, body_scale=body_scale)

@@ -54,7 +54,22 @@ class Learnt:
     def of_working(
         cls, lessons: Mapping[int, Lesson], agreement: Mapping[int, float], stack: BodyStack
     ) -> Learnt:
-        """Return what was learnt in working px of a stack."""
+        """Return what was learnt in working px of a stack.
+
+        Parameters
+        ----------
+        lessons : mapping
+            Row to what was learnt there, in working px.
+        agreement : mapping
+            Point to how far its kinds of evidence agree.
+        stack : BodyStack
+            The stack.
+
+        Returns
+        -------
+        Learnt
+            The same in px of the view.
+        """
         in_view = {}
         for row, own in lessons.items():
             back = np.linalg.inv(stack.to_body[row, :, :2])

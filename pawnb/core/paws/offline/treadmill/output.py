@@ -21,6 +21,47 @@ def empty_result(n: int, layout: Layout) -> SmoothedTracks:
     return SmoothedTracks.unknown(n, n_points, n_views, 2 if layout.rig is None else 3)
 
 
+def blank_tracks(
+    layout: Layout, task: TrackingRequest, n: int, *, in_space: bool
+) -> tuple[Tracks, int, IntArray]:
+    """Return Tracks in which nothing is known yet, with standard deviations and residuals.
+
+    Parameters
+    ----------
+    layout : Layout
+        Its points and views.
+    task : TrackingRequest
+        What was asked for; rows of tracks that are gone on from are there, too.
+    n : int
+        Frames, from the task's first on.
+    in_space : bool
+        Whether positions are in space, not in a picture.
+
+    Returns
+    -------
+    new : Tracks
+        The tracks.
+    begin : int
+        Row of the task's first frame.
+    kept : ndarray of int
+        Frames of the other rows.
+    """
+    first = task.frames[0]
+    rows, kept = np.arange(first, first + n), np.empty(0, int)
+    if task.tracks is not None:
+        known = task.tracks["frame"].to_numpy()
+        kept = known[(known < first) | (known >= first + n)]
+        rows = np.sort(np.concatenate([kept, rows]))
+    new = make_tracks(
+        rows, layout.points, fps=task.fps, views=layout.views,
+        space=("x", "y", "z") if in_space else ("x", "y"), individual=task.individual,
+        unit=task.unit if in_space else "px",
+    )  # fmt: skip
+    new["sd"] = new["position"].copy()
+    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
+    return new, int(np.searchsorted(rows, first)), kept
+
+
 def as_tracks(
     result: SmoothedTracks,
     layout: Layout,
@@ -46,25 +87,14 @@ def as_tracks(
     Tracks
         See :func:`.tracker.track_treadmill`.
     """
-    first, n = task.frames[0], len(result.x)
-    rows, kept = np.arange(first, first + n), np.empty(0, int)
-    if task.tracks is not None:
-        known = task.tracks["frame"].to_numpy()
-        kept = known[(known < first) | (known >= first + n)]
-        rows = np.sort(np.concatenate([kept, rows]))
-    new = make_tracks(
-        rows, layout.points, fps=task.fps, views=layout.views,
-        space=("x", "y") if task.rig is None else ("x", "y", "z"), individual=task.individual,
-        unit="px" if task.rig is None else task.unit,
-    )  # fmt: skip
-    new["sd"] = new["position"].copy()
-    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
+    n = len(result.x)
+    new, begin, kept = blank_tracks(layout, task, n, in_space=task.rig is not None)
     new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
     # logarithms of odds, and standard deviations
     new["image_separation"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="1")
     new["passes_apart"] = new["residual"].copy().assign_attrs(units="1")
     if n:
-        _write(new, int(np.searchsorted(rows, first)), result, placed, layout)
+        _write(new, begin, result, placed, layout)
     return new if task.tracks is None else keep_rows(task.tracks, new, kept)
 
 

@@ -65,9 +65,26 @@ class PipelineState:
 
     @classmethod
     def begin(
-        cls, recording: Recording, targets: Targets, paths: TrackletAssociator, first: np.ndarray
+        cls, recording: Recording, targets: Targets, paths: TrackletAssociator, first: FloatArray
     ) -> PipelineState:
-        """Return what is known before points are tracked: the first choice, and nothing else."""
+        """Return what is known before points are tracked: the first choice, and nothing else.
+
+        Parameters
+        ----------
+        recording : Recording
+            What was found in all frames.
+        targets : Targets
+            The points that are tracked.
+        paths : TrackletAssociator
+            Chooses tracklets for them.
+        first : ndarray, shape (n, P, d)
+            The first choice of places, NaN where occluded.
+
+        Returns
+        -------
+        PipelineState
+            The state.
+        """
         by_hand = np.isfinite(targets.certain[..., 0]).any(axis=-1)
         n, n_points, n_views, most = targets.observations.at.shape[:4]
         nowhere = np.full(first.shape, np.nan)

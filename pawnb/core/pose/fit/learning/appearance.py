@@ -26,7 +26,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint, pict
 
 def learn_appearance(
     layout: PoseLayout,
-    frames: Sequence[tuple[np.ndarray, ImageEvidence]],
+    frames: Sequence[tuple[FloatArray, ImageEvidence]],
     *,
     first: PoseLayout,
     partner: IntArray,
@@ -73,7 +73,7 @@ def learn_appearance(
 
 def fit_appearance(
     fitter: FrameFitter,
-    frames: Sequence[tuple[np.ndarray, ImageEvidence]],
+    frames: Sequence[tuple[FloatArray, ImageEvidence]],
     *,
     prior: Prior,
     blur: float | None = None,

@@ -21,7 +21,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
 
 def find_body_clutter(
-    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, ImageEvidence]]
+    fitter: FrameFitter, frames: Sequence[tuple[FloatArray, ImageEvidence]]
 ) -> FloatArray | None:
     """Return how much each place of the body's frame counts.
 

@@ -83,7 +83,7 @@ class BodyEquations:
         self.vector -= across @ own
         self.follow.append((follow, own))
 
-    def solve(self) -> tuple[FloatArray, list[np.ndarray]]:
+    def solve(self) -> tuple[FloatArray, list[FloatArray]]:
         """Return the body after the step, and how each frame's pose moves with it."""
         step = -np.linalg.solve(self.matrix, self.vector)
         step = np.clip(step, -LEARNING.most_step, LEARNING.most_step)

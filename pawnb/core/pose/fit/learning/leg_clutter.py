@@ -19,7 +19,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
 
 def find_leg_clutter(
-    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, ImageEvidence]]
+    fitter: FrameFitter, frames: Sequence[tuple[FloatArray, ImageEvidence]]
 ) -> BoolArray | None:
     """Return where hairs stand out from legs.
 

@@ -165,7 +165,7 @@ class TrackletAssociator:
         )
         return without_body_clutter(tracklets, substrate_velocity, paw_width=paw_width)
 
-    def doubting(self, hopped: np.ndarray) -> TrackletAssociator:
+    def doubting(self, hopped: BoolArray) -> TrackletAssociator:
         """Return a choice in which points pay for where a choice before put them by mistake.
 
         Parameters

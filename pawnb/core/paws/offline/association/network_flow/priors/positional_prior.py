@@ -61,7 +61,7 @@ def learn_positional_prior(
     axes: Sequence[FloatArray],
     groups: Sequence[Sequence[str]],
     body_scale: float,
-) -> list[list[np.ndarray]]:
+) -> list[list[FloatArray]]:
     """Learn how often each point is where, along some axes.
 
     Parameters
@@ -112,7 +112,7 @@ def positional_cost(
     body: FloatArray,
     *,
     axes: Sequence[FloatArray],
-    positional_prior: Sequence[Sequence[np.ndarray]],
+    positional_prior: Sequence[Sequence[FloatArray]],
     body_scale: float,
 ) -> FloatArray:
     """Return the cost (P, tracklets) of each tracklet for each point.
