@@ -54,7 +54,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
             if len(trial.views) == 1
             else (*_CALIBRATION_WAYS[1:], _CALIBRATION_WAYS[0])
         )
-        self.way = widgets.Dropdown(options=ways, description="by", layout=_CALIBRATION_WIDTH)
+        self.way = widgets.Dropdown(options=ways, description="by", layout={"width": "31em"})
         tables = sorted(p.name for p in trial.folder.glob("*") if p.suffix in (".csv", ".toml"))
         self.file = widgets.Combobox(
             options=tables, placeholder="a file in the trial's folder", description="file",

@@ -15,7 +15,7 @@ from pawnb.gait import GaitTables
 from pawnb.widgets.gait_panels import GaitPanels
 from pawnb.widgets.gait_session import GaitSession
 from pawnb.widgets.plain import Plain, picture_of_figure
-from pawnb.widgets.plot_canvas import make_canvas
+from pawnb.widgets.plot_canvas import alone, make_canvas
 from pawnb.widgets.plot_theme import fit_figure, set_theme
 from pawnb.widgets.surroundings import Surroundings
 
@@ -92,6 +92,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self._around.observe(self._on_room, names=["width", "height"])
         self._around.observe(lambda _: self._draw(), names="dark")
 
+    @alone
     def plain_picture(self) -> bytes:
         """Return the plots as PNG."""
         return picture_of_figure(self._figure)
@@ -149,6 +150,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         button.on_click(lambda _: self._do(act))
         return button
 
+    @alone
     def _do(self, act: Callable[[], None]) -> None:
         """Do something and draw everything; say what is wrong where it cannot be done."""
         try:
@@ -159,6 +161,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             return
         self._draw()
 
+    @alone
     def _tell(self, text: str, *, wrong: bool = False) -> None:
         """Say something below the buttons, offer what can be done, and show the plots."""
         self._told.value = text
@@ -178,11 +181,13 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         set_theme(self._figure, dark=self._around.dark)
         self._canvas.draw_idle()
 
+    @alone
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)
         fit_figure(self._figure, room=room, highest_px=_GAIT_SIZE_PX[1], beside_px=_BESIDE_GAIT_PX)
 
+    @alone
     def _draw(self) -> None:
         """Draw everything anew."""
         self._panels.draw()
@@ -219,6 +224,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         button.observe(self._on_legs, names="value")
         return button
 
+    @alone
     def _on_trial(self, change: dict[str, Any]) -> None:
         """Show another trial."""
         self.session.show(*change["new"])
@@ -230,6 +236,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         if not self._filling and change["new"] is not None:
             self._do(lambda: self.session.show_pair(*change["new"]))
 
+    @alone
     def _on_span(self, change: dict[str, Any]) -> None:
         """Show another stretch of time."""
         if not self._filling:
@@ -248,6 +255,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             self._filling = False
         change["owner"].icon = "check" if change["owner"].value else ""
 
+    @alone
     def _on_press(self, event: Any) -> None:
         """Pick the stride or the event under the pointer."""
         self._pressed = None
@@ -285,6 +293,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         if key in keys:
             self._do(keys[key])
 
+    @alone
     def _on_move(self, event: Any) -> None:
         """Let the line of the picked event follow the pointer."""
         line, picked = self._panels.event_line, self.session.event
@@ -294,6 +303,7 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self._told.value = f"{picked[1]} of {picked[0]} to {self._dragged_to(event):.3f} s"
         self._canvas.draw_idle()
 
+    @alone
     def _on_release(self, event: Any) -> None:
         """Move the picked event to where the pointer was dragged."""
         if self._drags(event):

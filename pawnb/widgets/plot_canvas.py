@@ -2,11 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any
+import functools
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
+
+MethodT = TypeVar("MethodT", bound=Callable[..., Any])
+
+
+def alone(method: MethodT) -> MethodT:
+    """Let a method of a widget run while nobody else changes or draws its ``_canvas``.
+
+    Jupyter hears some messages of a page in the kernel's main thread and others, such as the
+    canvas's own, in a thread beside it: a figure would be shown as far as it is drawn, and stay so.
+
+    Parameters
+    ----------
+    method : callable
+        A method of a widget whose ``_canvas`` is of :func:`make_canvas`.
+
+    Returns
+    -------
+    callable
+        The same, one thread at a time; it may call others that do the same.
+    """
+
+    @functools.wraps(method)
+    def held(self: Any, *args: Any, **named: Any) -> Any:
+        with self._canvas.alone:
+            return method(self, *args, **named)
+
+    return cast("MethodT", held)
 
 
 def make_canvas(figure: Figure) -> Any:
@@ -23,7 +53,8 @@ def make_canvas(figure: Figure) -> Any:
     Returns
     -------
     ipympl.backend_nbagg.Canvas
-        The canvas; its manager is set.
+        The canvas; its manager is set. Its lock ``alone`` is held while it draws; see
+        :func:`alone`.
     """
     before = mpl.get_backend()
     # a notebook's backend shows figures at the end of a cell only if it is loaded while it is in
@@ -33,6 +64,13 @@ def make_canvas(figure: Figure) -> Any:
 
     mpl.use(before)
     canvas = Canvas(figure)
+    canvas.alone, draw = threading.RLock(), canvas.draw
+
+    def draw_alone() -> None:
+        with canvas.alone:
+            draw()
+
+    canvas.draw = draw_alone
     manager = FigureManager(canvas, 0)
     # matplotlib's own keys would make an axis logarithmic in passing
     canvas.mpl_disconnect(manager.key_press_handler_id)

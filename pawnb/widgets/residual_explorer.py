@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from pawnb.errors import InputError
 from pawnb.figures.style import OKABE_ITO
 from pawnb.widgets.plain import Plain, picture_of_figure
-from pawnb.widgets.plot_canvas import make_canvas
+from pawnb.widgets.plot_canvas import alone, make_canvas
 from pawnb.widgets.plot_theme import fit_figure, on_screen, set_theme
 from pawnb.widgets.residual_session import ResidualSession, Signals
 from pawnb.widgets.surroundings import Surroundings
@@ -106,6 +106,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         controls = widgets.HBox([self._choice, self._slider], layout={"flex_flow": "row wrap"})
         self.children = (self._around, controls, self._takers, self._told, self._canvas)
 
+    @alone
     def plain_picture(self) -> bytes:
         """Return the plots as PNG."""
         return picture_of_figure(self._figure)
@@ -123,6 +124,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             raise InputError(f"cutoff_hz is {given:g}; expected above 0, at most {highest:.4g} Hz.")
         return given
 
+    @alone
     def _draw_all(self) -> None:
         """Draw the residual curve and the three panels anew, for the signal that is shown."""
         self._figure.clear()
@@ -200,12 +202,13 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             said = f"{chosen:.2f} Hz" if known else "none found"
             button = widgets.Button(
                 description=f"{_CUTOFF_MARKS[name][0]}: {said}", tooltip=reason, disabled=not known,
-                layout={"width": "16em"},
+                layout={"width": "auto", "min_width": "16em"},
             )  # fmt: skip
             button.on_click(lambda _, hz=chosen: setattr(self._slider, "value", hz))
             buttons.append(button)
         self._takers.children = (widgets.Label("take the cut-off of"), *buttons)
 
+    @alone
     def _show_cutoff(self) -> None:
         """Move the line and the filtered curves to the cut-off in the hand."""
         self._line.set_xdata([self.session.cutoff_hz] * 2)
@@ -219,6 +222,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         set_theme(self._figure, dark=self._around.dark)
         self._canvas.draw_idle()
 
+    @alone
     def _on_room(self, _change: dict[str, Any]) -> None:
         """Fit the plots into the page."""
         room = (self._around.width, self._around.height)

@@ -29,7 +29,7 @@ _PAGE = 20
 """Trials that are listed at once."""
 _LEAST_BENCH_PX, _AROUND_PX = 300, 380
 """Least height of the pictures, and what the timeline and buttons around them take, CSS px."""
-_COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(20em, 3fr)"
+_COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6.6em) minmax(20em, 3fr)"
 _WRONG_IN_BENCH = {False: "#B3261E", True: "#FFB4AB"}
 
 

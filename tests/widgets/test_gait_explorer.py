@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -247,6 +249,35 @@ def test_the_line_follows_the_pointer_and_goes_back_where_it_cannot_stay(tables)
     explorer._on_move(Mouse(panels.signal, 0.551, 0.5))
     explorer._on_release(Mouse(panels.diagram, 0.551, 0.5))
     assert panels.event_line.get_xdata() == pytest.approx([0.52, 0.52])
+
+
+@pytest.mark.filterwarnings(FROM_IPYMPL)
+def test_plots_are_not_shown_while_they_are_drawn_anew(tables, monkeypatch):
+    """The canvas draws in another thread of the kernel than a change of the page's theme."""
+    from pawnb.widgets.gait_explorer import GaitExplorer
+
+    widget = GaitExplorer(tables)
+    begun, may_end, order = threading.Event(), threading.Event(), []
+    draw = widget._panels.draw
+
+    def slow():
+        begun.set()
+        assert may_end.wait(30)
+        draw()
+        order.append("anew")
+
+    monkeypatch.setattr(widget._panels, "draw", slow)
+    theme = threading.Thread(target=setattr, args=(widget._around, "dark", True))
+    theme.start()
+    assert begun.wait(30)
+    shown = threading.Thread(target=lambda: (widget._canvas.draw(), order.append("shown")))
+    shown.start()
+    shown.join(1.0)  # long enough to be drawn, were nothing to wait for
+    may_end.set()
+    theme.join(30)
+    shown.join(30)
+    assert order == ["anew", "shown"]
+    widget.close()
 
 
 def test_a_stride_that_does_not_count_says_why(tables):
