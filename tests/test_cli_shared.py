@@ -146,3 +146,16 @@ def test_bash_completes_commands_and_options():
     )
     done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines() == ["reproduce report", "--figures"]
+
+
+def test_a_leg_is_one_point_and_a_point_one_leg(tmp_path, capsys):
+    """One of two was lost without a word."""
+    rows = "".join(f"{i},{i},2,3,4\n" for i in range(5))
+    (tmp_path / "p.csv").write_text("frame,a_x,a_y,b_x,b_y\n" + rows)
+    convert = ["convert", str(tmp_path / "p.csv"), str(tmp_path / "x.nc"), "--to", "pawnb"]
+    convert += ["--fps", "9", "--legs"]
+    assert cli.main([*convert, "FR=a", "FR=b"]) == 2
+    assert "--legs: leg 'FR' is there twice" in capsys.readouterr().err
+    assert cli.main([*convert, "FR=a", "FL=a"]) == 2
+    assert "two legs are the one point 'a'; name another" in capsys.readouterr().err
+    assert cli.main([*convert, "FR=a", "FL=b"]) == 0

@@ -45,7 +45,7 @@ def split_legs(words: Sequence[str] | None) -> list[str] | dict[str, str] | None
     Raises
     ------
     InputError
-        If a word lacks one of the two names.
+        If a word lacks one of the two names, or a leg is there twice.
     """
     if words is None or not any("=" in word for word in words):
         return None if words is None else list(words)
@@ -53,6 +53,10 @@ def split_legs(words: Sequence[str] | None) -> list[str] | dict[str, str] | None
         _split(word, "--legs", "LEG=POINT", "HR=hindpaw_R") if "=" in word else (word, word)
         for word in words
     ]
+    legs = [leg for leg, _ in pairs]
+    twice = next((leg for i, leg in enumerate(legs) if leg in legs[:i]), None)
+    if twice is not None:
+        raise InputError(f"--legs: leg {twice!r} is there twice; give each leg one point.")
     return dict(pairs)
 
 

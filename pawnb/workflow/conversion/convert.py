@@ -158,6 +158,9 @@ def _with_legs(tracks: Tracks, legs: Mapping[str, str], source: str) -> Tracks:
                 f"{', '.join(names)}."
             )
     called = {point: leg for leg, point in legs.items()}
+    if len(called) < len(legs):
+        twice = next(p for leg, p in legs.items() if called[p] != leg)
+        raise InputError(f"{source}: two legs are the one point {twice!r}; name another.")
     new = [called.get(name, name) for name in names]
     check_names(new, what="point", where=source)
     renamed = tracks.assign_coords(keypoint=np.array(new, dtype=str))

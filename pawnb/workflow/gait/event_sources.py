@@ -124,7 +124,7 @@ def choose_event_legs(
     Raises
     ------
     InputError
-        If the table has no such leg.
+        If the table has no such leg, or two legs are one of it.
     """
     named = dict(legs) if isinstance(legs, Mapping) else {leg: leg for leg in legs}
     there = events["leg"].astype(str)
@@ -134,7 +134,12 @@ def choose_event_legs(
                 f"{where}: no leg {name!r}{did_you_mean(name, set(there))}; there are "
                 f"{', '.join(sorted(set(there)))}."
             )
-    chosen = events[there.isin(named.values())]
+    points = list(named.values())
+    twice = next((name for i, name in enumerate(points) if name in points[:i]), None)
+    if twice is not None:
+        both = " and ".join(leg for leg, name in named.items() if name == twice)
+        raise InputError(f"{where}: {both} are both {twice!r}; give each leg a name of its own.")
+    chosen = events[there.isin(points)]
     return chosen.assign(leg=chosen["leg"].astype(str).map({v: k for k, v in named.items()}))
 
 

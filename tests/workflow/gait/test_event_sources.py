@@ -8,7 +8,11 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.workflow.checking.check import check_trial
-from pawnb.workflow.gait.event_sources import groups_of_events, read_scored_file
+from pawnb.workflow.gait.event_sources import (
+    choose_event_legs,
+    groups_of_events,
+    read_scored_file,
+)
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.gait.sources import read_source
 
@@ -173,3 +177,12 @@ def test_a_folder_of_an_analysis_is_not_taken_for_events_scored_by_hand(tmp_path
 def test_a_folder_with_an_events_table_of_a_person_is_read(tmp_path):
     (tmp_path / "events.csv").write_text("leg,event,time_s\nFR,TD,0.1\nFR,LO,0.2\n")
     assert len(read_source(tmp_path).events) == 2
+
+
+def test_two_legs_cannot_be_one_of_the_table():
+    """One of them was lost without a word."""
+    events = pd.DataFrame({"leg": ["LF", "RF"], "event": "TD", "time_s": [0.1, 0.2]})
+    with pytest.raises(InputError, match=r"^e\.csv: FR and FL are both 'LF'; give each leg"):
+        choose_event_legs(events, {"FR": "LF", "FL": "LF"}, where="e.csv")
+    chosen = choose_event_legs(events, {"FR": "RF", "FL": "LF"}, where="e.csv")
+    assert chosen["leg"].tolist() == ["FL", "FR"]
