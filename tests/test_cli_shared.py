@@ -143,9 +143,11 @@ def test_bash_completes_commands_and_options():
     code = completion_script("bash", _commands()) + (
         "COMP_WORDS=(pawnb rep); COMP_CWORD=1; _pawnb; echo ${COMPREPLY[@]}\n"
         "COMP_WORDS=(pawnb gait x --fi); COMP_CWORD=3; _pawnb; echo ${COMPREPLY[@]}\n"
+        "COMP_WORDS=(pawnb -v rep); COMP_CWORD=2; _pawnb; echo ${COMPREPLY[@]}\n"
+        "COMP_WORDS=(pawnb -v gait x --fi); COMP_CWORD=4; _pawnb; echo ${COMPREPLY[@]}\n"
     )
     done = subprocess.run(["bash", "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == ["reproduce report", "--figures"]
+    assert done.stdout.splitlines() == ["reproduce report", "--figures"] * 2
 
 
 def test_a_leg_is_one_point_and_a_point_one_leg(tmp_path, capsys):

@@ -35,11 +35,14 @@ def completion_script(shell: str, commands: Mapping[str, argparse.ArgumentParser
         return "\n".join(lines) + "\n"
     cases = "\n".join(f'    {name}) words="{" ".join(own)}";;' for name, own in words.items())
     script = f"""_pawnb() {{
-  local words here="${{COMP_WORDS[COMP_CWORD]}}"
-  if [ "$COMP_CWORD" -eq 1 ]; then
+  local words word command="" here="${{COMP_WORDS[COMP_CWORD]}}"
+  for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
+    case "$word" in -*) ;; *) command="$word"; break;; esac
+  done
+  if [ -z "$command" ]; then
     COMPREPLY=($(compgen -W "{" ".join(words)}" -- "$here")); return
   fi
-  case "${{COMP_WORDS[1]}}" in
+  case "$command" in
 {cases}
   esac
   COMPREPLY=($(compgen -W "$words" -- "$here"))

@@ -15,6 +15,7 @@ from pawnb.trial import Trial, View, load_trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.conversion.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.gait.event_sources import read_trial_events
+from pawnb.workflow.gait.inputs import check_settings
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import RUN_KINDS, find_fault, known_files
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
@@ -52,6 +53,7 @@ def check_trial(trial: Trial | str | Path) -> CheckReport:
         f"kind {trial.kind}, animal {trial.animal.id}, {trial.fps:g} frames per second"
     )
     _check_belt(trial, report)
+    _check_gait_settings(trial, report)
     if trial.is_tracked_elsewhere:
         _check_tracks_file(trial, report)
     else:
@@ -103,6 +105,14 @@ def _check_belt(trial: Trial, report: CheckReport) -> None:
                 f"belt speed is {trial.belt_speed:g}; a belt that carries the feet backwards "
                 "has a speed above 0"
             )
+
+
+def _check_gait_settings(trial: Trial, report: CheckReport) -> None:
+    """Find what the gait analysis would refuse only after the trial was tracked."""
+    try:
+        check_settings(trial.gait, where="[gait]")
+    except InputError as error:
+        report.faults.append(str(error))
 
 
 def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
