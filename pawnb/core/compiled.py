@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import pickle
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -16,7 +15,7 @@ from numba.core import event
 _F = TypeVar("_F", bound=Callable)
 _LOOSE = {"contract", "arcp", "nsz", "reassoc"}
 """Sums in another order, one division for several: the last digits differ. NaN stays NaN."""
-_UNREADABLE = (AttributeError, ImportError, EOFError, pickle.UnpicklingError)
+_UNREADABLE = (AttributeError, ImportError, EOFError)
 """What reading kept code raises where it names types that were renamed or moved since."""
 
 
