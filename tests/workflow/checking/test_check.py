@@ -210,10 +210,10 @@ def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):
     assert said[0].endswith("painted paws help"), "the report adds no second full stop"
 
 
-def test_a_wrong_setting_of_the_analysis_is_found_before_the_trial_is_tracked(rendered_trial):
-    with (rendered_trial / "trial.toml").open("a") as file:
+def test_a_wrong_setting_of_the_analysis_is_found_before_the_trial_is_tracked(small_trial):
+    with (small_trial / "trial.toml").open("a") as file:
         file.write("\n[gait]\nmin_stanse_s = 0.02\n")
-    faults = check_trial(rendered_trial).faults
+    faults = check_trial(small_trial).faults
     assert [fault.split(";")[0] for fault in faults] == [
         "[gait]: unknown setting 'min_stanse_s' (did you mean 'min_stance_s'?)"
     ]
