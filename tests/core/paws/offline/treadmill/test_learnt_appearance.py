@@ -213,4 +213,4 @@ class SimpleTracks:
     """As much of tracks as choosing looks at."""
 
     def __init__(self, frames):
-        self.attrs, self.sizes = {}, {"time": frames}
+        self.attrs, self.sizes = {}, {"time": frames, "space": 2}
