@@ -1,6 +1,6 @@
 """Names for the arrays that travel: what their numbers are and, of points, what the last axis is.
 
-``np.ndarray`` alone stands where numbers of several kinds are welcome, and in compiled loops.
+``np.ndarray`` alone stands in compiled loops and inside of modules.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "AnyArray",
     "BoolArray",
     "ByteArray",
     "Float32Array",
@@ -19,6 +20,9 @@ __all__ = [
     "Points2D",
     "Points3D",
 ]
+
+AnyArray: TypeAlias = NDArray[Any]
+"""Numbers of whatever kind is given: they are converted, or handed on as they are."""
 
 FloatArray: TypeAlias = NDArray[np.float64]
 """Numbers; NaN where there is none."""

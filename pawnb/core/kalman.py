@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray
 from pawnb.errors import InputError
 
 
@@ -169,7 +169,7 @@ def predict(model: ConstantVelocity, state: State) -> State:
     return State(state.mean @ F.T, F @ state.covariance @ F.T + model.process_noise)
 
 
-def update(model: ConstantVelocity, state: State, measured: np.ndarray) -> State:
+def update(model: ConstantVelocity, state: State, measured: AnyArray) -> State:
     """Return the states after a measurement; a missing measurement changes nothing.
 
     Parameters
@@ -193,7 +193,7 @@ def update(model: ConstantVelocity, state: State, measured: np.ndarray) -> State
     innovation = measured - state.mean @ H.T
     mean = state.mean + (gain @ innovation[..., None])[..., 0]
     covariance = state.covariance - gain @ np.swapaxes(PHt, -1, -2)
-    seen = np.isfinite(measured).all(axis=-1)
+    seen = np.asarray(np.isfinite(measured).all(axis=-1))
     return State(
         np.where(seen[..., None], mean, state.mean),
         np.where(seen[..., None, None], covariance, state.covariance),

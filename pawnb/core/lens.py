@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.pixels.colour import Picture
 from pawnb.errors import CalibrationError, InputError, VideoError, did_you_mean
 from pawnb.files import read_toml
@@ -208,7 +208,7 @@ class StraightPicture:
         self.width, self.height = picture.width, picture.height
         self.is_colour = picture.is_colour
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> AnyArray:
         """Return that half-open region as a fresh array.
 
         Parameters

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, Points2D
+from pawnb.arrays import AnyArray, FloatArray, Points2D
 from pawnb.core import dlt
 
 
-def find_look_point(coefs: FloatArray) -> np.ndarray:
+def find_look_point(coefs: FloatArray) -> AnyArray:
     """Return the point nearest in least squares to the optical axes of all views.
 
     The optical axis of a view is the line through its principal point: along

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pawnb.arrays import AnyArray
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_note, make_panels, with_unit
 from pawnb.figures.style import OKABE_ITO, style
@@ -22,7 +23,7 @@ COLUMNS = ("signal", *CURVE_COLUMNS, "chosen_hz", "noise_rms", "reason")
 
 
 def build_residual_analysis_table(
-    signals: pd.DataFrame | np.ndarray,
+    signals: pd.DataFrame | AnyArray,
     *,
     fs_hz: float,
     order: int = 4,

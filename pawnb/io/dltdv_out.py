@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.io.dltdv import DLTRES, OFFSETS
 from pawnb.io.outgoing import take_space, take_view, views_of, word
@@ -72,7 +72,7 @@ def write_dltdv_points(
     return path
 
 
-def own_offsets(tracks: Tracks, frames: np.ndarray) -> FloatArray:
+def own_offsets(tracks: Tracks, frames: IntArray) -> FloatArray:
     """Return the offsets (n_frames, n_views) of some frames of tracks.
 
     Parameters

@@ -16,6 +16,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
+from pawnb.arrays import AnyArray
 from pawnb.errors import InputError
 from pawnb.files import check_file
 
@@ -113,7 +114,7 @@ def faults_in(path: Path, *, expected: str) -> Iterator[None]:
         ) from None
 
 
-def read_array(group: h5py.Group, name: str, *, where: str, ndim: int | None = None) -> np.ndarray:
+def read_array(group: h5py.Group, name: str, *, where: str, ndim: int | None = None) -> AnyArray:
     """Read a dataset of numbers.
 
     Parameters

@@ -14,7 +14,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, IntArray
 
 _NONE = np.bytes_(b"N.")
 """How PyTables writes that there is no name."""
@@ -28,7 +28,7 @@ def pandas_frame_bytes(
     key: str,
     columns: Sequence[tuple[str, ...]],
     levels: Sequence[str],
-    index: np.ndarray | Sequence[tuple[str, ...]],
+    index: IntArray | Sequence[tuple[str, ...]],
 ) -> bytes:
     """Return a file that ``pandas.read_hdf`` reads as a DataFrame.
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.schema import (
     ORIGIN_CODE,
@@ -22,8 +22,8 @@ _NODE = re.compile(r"Node\(name=['\"](.+)['\"]\)")
 
 
 def build_tracks(
-    frames: Sequence[int] | np.ndarray,
-    position: np.ndarray,
+    frames: Sequence[int] | AnyArray,
+    position: AnyArray,
     confidence: FloatArray | None = None,
     *,
     points: Sequence[str],
@@ -89,7 +89,7 @@ def build_tracks(
     tracks = tracks.assign_coords(individual=np.array(individuals, dtype=str))
     rows = np.searchsorted(every, frames)
     prefix = "image_" if views else ""
-    known = np.isfinite(position).all(axis=-1)
+    known = np.asarray(np.isfinite(position).all(axis=-1))
     position = np.where(known[..., None], position, np.nan)
     if confidence is None:
         confidence = np.full(known.shape, np.nan)

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import AnyArray
 from pawnb.errors import InputError
 from pawnb.files import check_file, read_text, write_whole
 from pawnb.schema import MOST_FRAMES, check_columns
@@ -234,7 +235,7 @@ def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0)
 
 def read_numbers(
     table: pd.DataFrame, column: str, *, where: str, whole: bool = False, empty: bool = False
-) -> np.ndarray:
+) -> AnyArray:
     """Turn a column of text cells into numbers, or say which cell is not one.
 
     Parameters

@@ -227,7 +227,7 @@ class ReviewSession(StretchEdits):
         others = used[None] & ~np.eye(n_views, dtype=bool)[:, None]  # (left out, P, V)
         stack = np.broadcast_to(uv_points, (n_views, *uv_points.shape))
         apart, _, _ = triangulate_views(tracks, self.rig, stack, used=others)  # (left out, P, 3)
-        alone = np.isfinite(apart).all(axis=-1)
+        alone = np.asarray(np.isfinite(apart).all(axis=-1))
         projected = self.rig.project(np.where(alone[..., None], apart, xyz[None]))
         for place, name in enumerate(self.rig.names):
             if name in self.views:

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D, Points3D
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
 from pawnb.errors import CalibrationError
 
 MOST_COEF = 1e12
@@ -85,7 +85,7 @@ def reprojection_error(coefs: FloatArray, xyz: Points3D, uv: Points2D) -> FloatA
 
 
 def triangulate(
-    coefs: FloatArray, uv: np.ndarray, *, refine: bool = False, even: bool = False
+    coefs: FloatArray, uv: AnyArray, *, refine: bool = False, even: bool = False
 ) -> Triangulation:
     """Find points in space from where two or more views see them.
 
@@ -133,8 +133,8 @@ def triangulate(
             "views of the calibration."
         )
     shape = uv.shape[:-2]
-    uv = uv.reshape(-1, n, 2)
-    seen = np.isfinite(uv).all(axis=-1)
+    uv = np.asarray(uv.reshape(-1, n, 2), float)
+    seen = np.asarray(np.isfinite(uv).all(axis=-1))
     n_views = seen.sum(axis=-1)
     # (L1 - u L9) X + (L2 - u L10) Y + (L3 - u L11) Z = u - L4, and the same for v
     A = _rows(coefs) - np.where(seen[..., None], uv, 0.0)[..., None] * coefs[8:11].T[:, None]

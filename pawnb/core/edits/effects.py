@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D, Points3D
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
 from pawnb.core.edits.pose_stretches import edit_legs, hide_leg
 from pawnb.core.edits.records import (
     Accept,
@@ -357,7 +357,7 @@ def usable_views(uv: Points2D, origin: IntArray) -> BoolArray:
 
 def triangulate_views(
     tracks: Tracks, rig: RigLike, uv: Points2D, *, used: BoolArray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Triangulate image positions that are in the order of the views of the tracks.
 
     Parameters

@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from skimage.segmentation import slic
 
-from pawnb.arrays import ByteArray, FloatArray, IntArray, Points2D
+from pawnb.arrays import AnyArray, ByteArray, FloatArray, IntArray, Points2D
 from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings
 from pawnb.core.pixels.grey import has_colour
 
@@ -29,7 +29,7 @@ _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)
 class FramePixels(Protocol):
     """What is needed of a frame: its pixels in a half-open region."""
 
-    def crop(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def crop(self, u0: int, v0: int, u1: int, v1: int) -> AnyArray:
         """Return the pixels of a region inside the picture.
 
         Parameters
@@ -250,7 +250,7 @@ def _means(crop: ByteArray, labels: IntArray, window: Window) -> Superpixels:
     return Superpixels(mean(crop[..., 1]), angle, mean(crop[..., 0]), uv, labels, window)
 
 
-def hue_difference(a: np.ndarray | float, b: np.ndarray | float) -> FloatArray:
+def hue_difference(a: FloatArray | float, b: FloatArray | float) -> FloatArray:
     """Return the angle between hues.
 
     Parameters

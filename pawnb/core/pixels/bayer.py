@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import cv2
-import numpy as np
 
+from pawnb.arrays import AnyArray
 from pawnb.core.pixels.colour import PartPicture, Picture
 from pawnb.core.pixels.yuv import YuvPicture
 from pawnb.errors import VideoError
@@ -45,7 +45,7 @@ class MosaicPicture:
         self._code = _CV2_CODES[pattern]
         self.width, self.height = mosaic.width, mosaic.height
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> AnyArray:
         """Return that half-open region as a fresh RGB array.
 
         Parameters

@@ -17,7 +17,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray
+from pawnb.arrays import AnyArray, ByteArray
 
 
 class Picture(Protocol):
@@ -104,7 +104,7 @@ class PackedPicture(ArrayBased):
         super().__init__(pixels)
         self._channels = list(channels)
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> AnyArray:
         """Return that half-open region as a fresh RGB array.
 
         Parameters
@@ -138,7 +138,7 @@ class PlanarPicture(ArrayBased):
         super().__init__(red)
         self._planes = (red, green, blue)
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> AnyArray:
         """Return that half-open region as a fresh RGB array.
 
         Parameters
@@ -281,6 +281,6 @@ class PartPicture:
         return self._load(0, 0, self.width, self.height)[0]
 
 
-def is_grey(palette: np.ndarray) -> bool:
+def is_grey(palette: ByteArray) -> bool:
     """Tell whether every colour of a palette, shape (n, 3), is a grey."""
     return bool((palette == palette[:, :1]).all())

@@ -5,6 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import AnyArray, ByteArray
+
 _LUMA = np.array([0.299, 0.587, 0.114])
 """Shares of red, green and blue (ITU-R BT.601)."""
 
@@ -12,7 +14,7 @@ _TINT = 4
 """Channels of a grey picture saved in colour differ by no more than this: by rounding."""
 
 
-def has_colour(pixels: np.ndarray) -> bool:
+def has_colour(pixels: ByteArray) -> bool:
     """Tell whether any pixel is coloured: grey recordings are often stored as colour video.
 
     Parameters
@@ -32,7 +34,7 @@ def has_colour(pixels: np.ndarray) -> bool:
     return int(cv2.subtract(most, least).max()) > _TINT
 
 
-def grey(pixels: np.ndarray, dtype: type[np.floating] = np.float32) -> np.ndarray:
+def grey(pixels: AnyArray, dtype: type[np.floating] = np.float32) -> AnyArray:
     """Return the grey values of RGB or grey pixels.
 
     Parameters

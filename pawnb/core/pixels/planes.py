@@ -106,7 +106,7 @@ def picture_of_planes(
     height: int,
     standard: str,
     full_range: bool,
-    palette: np.ndarray | None = None,
+    palette: ByteArray | None = None,
 ) -> Picture | None:
     """Return the picture that decoded planes hold, without copying them.
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.core.pose.animal import Ellipse, Leg, StickAnimal
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.track_result import PoseTrack
@@ -198,7 +198,7 @@ def poses_of(tracks: Tracks) -> PoseTrack:
     )
 
 
-def by_point(animal: StickAnimal, body: FloatArray, places: FloatArray) -> np.ndarray:
+def by_point(animal: StickAnimal, body: FloatArray, places: FloatArray) -> AnyArray:
     """Return values of body and joints in the order of :func:`point_names`.
 
     Parameters

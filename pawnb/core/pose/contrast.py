@@ -8,10 +8,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pawnb.arrays import Float32Array
+from pawnb.arrays import AnyArray, Float32Array
 
 
-def squared_gradient(picture: np.ndarray) -> Float32Array:
+def squared_gradient(picture: AnyArray) -> Float32Array:
     """Return the squared gradient of every pixel by Sobel's operator (Eq. 3.13).
 
     Parameters
@@ -32,7 +32,7 @@ def squared_gradient(picture: np.ndarray) -> Float32Array:
 
 
 def neighbour_costs(
-    picture: np.ndarray, *, ising: float, contrast: float, edge_grey: float
+    picture: AnyArray, *, ising: float, contrast: float, edge_grey: float
 ) -> tuple[Float32Array, Float32Array]:
     """Return what it costs that two neighbours have different labels.
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.errors import InputError
 
@@ -45,7 +45,7 @@ class Poses:
     def __len__(self) -> int:
         return len(self.frames)
 
-    def take(self, which: np.ndarray | slice | list[int]) -> Poses:
+    def take(self, which: AnyArray | slice | list[int]) -> Poses:
         """Return some of the frames: an index array, a mask or a slice."""
         return Poses(**{f.name: getattr(self, f.name)[which] for f in dataclasses.fields(self)})
 

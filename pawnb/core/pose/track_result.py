@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses, join_poses
 from pawnb.errors import InputError
@@ -81,7 +81,7 @@ class PoseTrack:
     def __len__(self) -> int:
         return len(self.poses)
 
-    def take(self, which: np.ndarray | slice) -> PoseTrack:
+    def take(self, which: IntArray | slice) -> PoseTrack:
         """Return some of the frames: an index array, a mask or a slice."""
         rest = {name: getattr(self, name)[which] for name in _ARRAYS}
         return PoseTrack(poses=self.poses.take(which), estimated=self.estimated, **rest)
@@ -96,8 +96,8 @@ def plain_track(
     animal: StickAnimal,
     poses: Poses,
     *,
-    confidence: np.ndarray | float = 1.0,
-    origin: np.ndarray | str = "measured",
+    confidence: AnyArray | float = 1.0,
+    origin: AnyArray | str = "measured",
 ) -> PoseTrack:
     """Return a track without uncertainties.
 

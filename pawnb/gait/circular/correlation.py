@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.mean import check_phases
 from pawnb.gait.inference.checks import as_numbers
@@ -56,7 +56,7 @@ class CircularCorrelation(NamedTuple):
 
 def angular_linear(
     phases: FloatArray,
-    values: np.ndarray,
+    values: AnyArray,
     *,
     animals: Sequence[object] | None = None,
     method: str = "chi2",

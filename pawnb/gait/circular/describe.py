@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.mean import (
     MeanVector,
@@ -259,7 +259,7 @@ def axial_mean(phases: FloatArray) -> MeanVector:
 
 
 def grouped_mean(
-    centres: FloatArray, counts: np.ndarray, *, class_width: float | None = None
+    centres: FloatArray, counts: AnyArray, *, class_width: float | None = None
 ) -> MeanVector:
     """Compute the mean vector of phases that were counted in classes (Zar 2010, section 26.5).
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import chi2
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import as_numbers, check_level
 
@@ -40,7 +40,7 @@ class MeanVector(NamedTuple):
     n: int
 
 
-def mean_vector(phases: FloatArray, *, weights: np.ndarray | None = None) -> MeanVector:
+def mean_vector(phases: FloatArray, *, weights: AnyArray | None = None) -> MeanVector:
     """Compute mean phase and length of the mean vector.
 
     ``mean = atan2(Y, X) / 2 pi`` with X and Y the means of cosine and sine: Zar (2010),

@@ -15,7 +15,7 @@ from scipy.special import gammaln, ive
 from scipy.stats import binomtest, chi2, chisquare, norm, wilcoxon
 from scipy.stats import t as student
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.describe import circular_median, difference
 from pawnb.gait.circular.mean import mean_vector, wrap
@@ -324,7 +324,7 @@ def _smallest_symmetry_p(n: int) -> float:
     return float(wilcoxon(away, method="exact" if exact else "asymptotic").pvalue)
 
 
-def chi2_uniform_test(counts: np.ndarray) -> CircularTest:
+def chi2_uniform_test(counts: AnyArray) -> CircularTest:
     """Test whether phases counted in equal classes are spread evenly (Zar 2010, Example 27.23).
 
     Parameters

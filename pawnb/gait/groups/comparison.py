@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import false_discovery_control
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.groups.differences import compare_paired, compare_two, compare_two_phases
 from pawnb.gait.inference.checks import check_level
@@ -136,7 +136,7 @@ def compare_groups(
     return found
 
 
-def adjust_p(p: np.ndarray, *, correction: str = "holm") -> FloatArray:
+def adjust_p(p: AnyArray, *, correction: str = "holm") -> FloatArray:
     """Adjust p for the number of tests.
 
     Parameters

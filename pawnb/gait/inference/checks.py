@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 
 
-def as_numbers(values: np.ndarray, name: str) -> FloatArray:
+def as_numbers(values: AnyArray, name: str) -> FloatArray:
     """Return values as a flat array of floats; they may be missing.
 
     Parameters

@@ -100,7 +100,7 @@ class Blocks:
         scaled = self.u * variances[self.part_of]
         return np.asarray(np.eye(self.u.shape[1]) + scaled @ self.u.transpose(0, 2, 1))
 
-    def products(self, variances: FloatArray) -> tuple[np.ndarray, float]:
+    def products(self, variances: FloatArray) -> tuple[FloatArray, float]:
         """Return ``[X y]' W^-1 [X y]`` over all animals, and log |W|.
 
         Parameters
@@ -134,7 +134,7 @@ class Blocks:
         """
         products, log_w = self.products(variances)
         xx, xy = products[: self.p, : self.p], products[: self.p, self.p]
-        rest = max(products[self.p, self.p] - xy @ np.linalg.solve(xx, xy), 1e-300)
+        rest = max(float(products[self.p, self.p] - xy @ np.linalg.solve(xx, xy)), 1e-300)
         return log_w + float(np.linalg.slogdet(xx)[1]) + (self.n - self.p) * math.log(rest)
 
     def fit(self) -> tuple[FloatArray, bool]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from pawnb.arrays import FloatArray, Points2D
+from pawnb.arrays import FloatArray, IntArray, Points2D
 from pawnb.core.paws.maghsoudi2019.parameters import MAGHSOUDI2019
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import KindTemplate, lowpass_path, midpoint
@@ -62,7 +62,7 @@ class TemplateFit:
         """Return the same fit for frames counted from ``frames`` earlier."""
         return replace(self, shift=self.shift + frames)
 
-    def predict(self, frame: float | np.ndarray) -> FloatArray:
+    def predict(self, frame: float | IntArray) -> FloatArray:
         """Return the position at a frame, px, shape (..., 2)."""
         path = self.template.spline((np.asarray(frame) - self.shift) * self.frequency % 1.0)
         return np.asarray(self.offset + self.amplitude * path * [self.facing, 1.0])

@@ -15,7 +15,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
-from pawnb.arrays import FloatArray, Points2D
+from pawnb.arrays import ByteArray, FloatArray, Points2D
 from pawnb.core.paws.start_proposal.parameters import PAW_PROPOSAL
 from pawnb.core.pixels.grey import has_colour
 
@@ -39,7 +39,7 @@ class Blobs:
     strength: FloatArray
 
 
-def paw_likeness(image: np.ndarray, paw_px: float, *, look: Look = "skin") -> np.ndarray:
+def paw_likeness(image: ByteArray, paw_px: float, *, look: Look = "skin") -> FloatArray:
     """Return how paw-like each pixel is.
 
     Parameters
@@ -84,11 +84,11 @@ def _top_hat(image: np.ndarray, paw_px: float) -> np.ndarray:
 
 
 def find_blobs(
-    likeness: np.ndarray,
+    likeness: FloatArray,
     paw_px: float,
     *,
     most: int | None = None,
-    still: np.ndarray | None = None,
+    still: FloatArray | None = None,
 ) -> Blobs:
     """Find the spots of paw size that stand out.
 
@@ -131,8 +131,8 @@ def find_blobs(
 
 
 def find_digits(
-    likeness: np.ndarray, uv: np.ndarray, direction: np.ndarray, *, reach_px: float, pad_px: float
-) -> np.ndarray:
+    likeness: FloatArray, uv: FloatArray, direction: FloatArray, *, reach_px: float, pad_px: float
+) -> FloatArray:
     """Find the middle of the digits of the paw at a spot.
 
     Parameters
@@ -180,7 +180,7 @@ def find_digits(
     return np.asarray(place[along >= tip - pad_px].mean(axis=0))
 
 
-def share_as_paw_like(likeness: np.ndarray, uv: np.ndarray) -> float:
+def share_as_paw_like(likeness: FloatArray, uv: FloatArray) -> float:
     """Return the share of a picture that is as paw-like as a place in it, or more so.
 
     Parameters

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.learning.clutter import Clutter
@@ -157,7 +157,7 @@ class FrameFitter:
         layout = self.layout
         return float(np.median((2 * layout.radius[:, :-1] * layout.length).sum(axis=1)))
 
-    def canvas(self, image_evidence: ImageEvidence) -> tuple[np.ndarray, ...]:
+    def canvas(self, image_evidence: ImageEvidence) -> tuple[AnyArray, ...]:
         """Return a canvas of the size of a frame's evidence; its content does not last."""
         return self.canvas_room.of_shape(image_evidence.seen.shape)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.pose.pullar2009.energy import Cut, FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.limb_steps import (
     FLAT_EXPONENT,
@@ -207,7 +207,7 @@ def _turn_limbs(
 
 def draw_turns(
     n_joints: int, *, first_multiplier: int, combinations: int, rng: np.random.Generator
-) -> np.ndarray:
+) -> AnyArray:
     """Draw the turns that are tried for a limb, in their order.
 
     Parameters

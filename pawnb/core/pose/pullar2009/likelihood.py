@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pawnb.arrays import Float32Array
+from pawnb.arrays import AnyArray, Float32Array, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.errors import InputError
 
@@ -19,16 +19,16 @@ class EmptyScene(Protocol):
     """The empty scene: grey values and their standard deviation, shape (H, W)."""
 
     @property
-    def mean(self) -> np.ndarray:
+    def mean(self) -> AnyArray:
         """Mean grey value of every pixel."""
 
     @property
-    def sd(self) -> np.ndarray:
+    def sd(self) -> AnyArray:
         """Its standard deviation."""
 
 
 def background_cost(
-    picture: np.ndarray, background: EmptyScene, *, sd_floor_grey: float
+    picture: AnyArray, background: EmptyScene, *, sd_floor_grey: float
 ) -> Float32Array:
     """Return the cost of calling each pixel background.
 
@@ -54,7 +54,7 @@ def background_cost(
     return _gaussian_cost(grey, mean, sd, sd_floor_grey)
 
 
-def subject_cost(picture: np.ndarray, *, mean: float, sd: float) -> Float32Array:
+def subject_cost(picture: IntArray, *, mean: float, sd: float) -> Float32Array:
     """Return the cost of calling each pixel subject under one Gaussian for the whole subject.
 
     Parameters
@@ -108,7 +108,7 @@ def subject_box(cost: Float32Array, *, box_share: float = 1.0) -> tuple[int, int
 
 
 def subject_statistics(
-    picture: np.ndarray, cost: np.ndarray, *, box_share: float = 1.0
+    picture: AnyArray, cost: AnyArray, *, box_share: float = 1.0
 ) -> tuple[float, float, tuple[int, int, int, int]]:
     """Return mean and standard deviation of the subject's grey values, and its box.
 

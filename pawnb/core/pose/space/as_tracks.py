@@ -63,7 +63,7 @@ def tracks_in_space(
     support = np.nan_to_num(space.support)
     support = np.column_stack([support.max(axis=1, initial=0.0), support[:, of_point]])
     position = by_point(animal, space.body, space.joints)
-    known = np.isfinite(position).all(axis=1)
+    known = np.asarray(np.isfinite(position).all(axis=1))
     first = flat["origin"].to_numpy()[..., 0]
     second = np.where(support < IN_SPACE.shown, ORIGIN_CODE["predicted"], ORIGIN_CODE["measured"])
     both = np.where(first == ORIGIN_CODE["measured"], second, first)
@@ -89,7 +89,7 @@ def tracks_in_space(
     tracks = tracks.assign(sd=(dims, sd, {"units": rig.unit}))
     pose = ("joint_angle", "joint_angle_sd", "heading", "heading_sd", "scale", "segment_length")
     tracks = tracks.assign({name: flat[name] for name in pose})
-    size = _size(animal, space, known.any(axis=1))
+    size = _size(animal, space, np.asarray(known.any(axis=1)))
     return tracks.assign_attrs(
         stick_animal=flat.attrs["stick_animal"], body_length=animal.body_length * size
     )

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from pawnb.arrays import BoolArray, FloatArray, Points2D
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, Points2D
 from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.blur import SQRT5
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence, make_evidence
@@ -111,7 +111,7 @@ class SpaceFitter:
         covered = np.where(binary_dilation(animal, iterations=2), 0, -1)
         return self.evidence.image_evidence(image.astype(float), box, covered)
 
-    def canvas(self, image_evidence: ImageEvidence) -> tuple[np.ndarray, ...]:
+    def canvas(self, image_evidence: ImageEvidence) -> tuple[AnyArray, ...]:
         """Return an empty canvas of the evidence's size."""
         height, width = image_evidence.seen.shape
         return make_canvas(height, width, self.model.layout)
@@ -325,7 +325,7 @@ class SpaceFitter:
 
     def painted(
         self, one: SpaceFrame, image_evidence: ImageEvidence, x: FloatArray
-    ) -> tuple[np.ndarray, ...]:
+    ) -> tuple[AnyArray, ...]:
         """Return the second picture as ``x`` has it: value, owner, along and joints.
 
         Parameters

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.arrays import FloatArray, Points2D, Points3D
+from pawnb.arrays import AnyArray, FloatArray, Points2D, Points3D
 from pawnb.core import dlt
 from pawnb.core.pose.space.parameters import IN_SPACE
 from pawnb.errors import CalibrationError
@@ -63,7 +63,7 @@ class SightLines:
         axis /= np.linalg.norm(axis)
         self.axis = axis if axis @ np.asarray(up) >= 0 else -axis
 
-    def lines(self, uv: np.ndarray) -> tuple[FloatArray, FloatArray]:
+    def lines(self, uv: AnyArray) -> tuple[FloatArray, FloatArray]:
         """Return the point at height 0 and the change with height of each sight line.
 
         Parameters
@@ -79,7 +79,7 @@ class SightLines:
         uv = np.asarray(uv, dtype=float)
         L = self.coefs
         planes = np.stack([L[0:3], L[4:7]]) - uv[..., None] * L[8:11]
-        known = np.isfinite(uv).all(axis=-1)
+        known = np.asarray(np.isfinite(uv).all(axis=-1))
         rows = np.concatenate([planes, np.broadcast_to(self.axis, (*uv.shape[:-1], 1, 3))], axis=-2)
         rows = np.where(known[..., None, None], rows, np.eye(3))
         right = np.zeros((*uv.shape[:-1], 3, 2))
@@ -90,7 +90,7 @@ class SightLines:
         both = np.where(known[..., None, None], both, np.nan)
         return both[..., 0], both[..., 1]
 
-    def at(self, uv: Points2D, height: np.ndarray | float) -> FloatArray:
+    def at(self, uv: Points2D, height: FloatArray | float) -> FloatArray:
         """Return the points (..., 3) on the sight lines of ``uv`` (..., 2) at heights (...)."""
         start, direction = self.lines(uv)
         return np.asarray(start + np.asarray(height)[..., None] * direction)

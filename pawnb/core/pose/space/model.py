@@ -73,7 +73,7 @@ class SpaceModel:
         """Leg span, unit of the calibration."""
         return self.size * self.animal.span
 
-    def changed(self, **values: np.ndarray | PoseLayout | float) -> SpaceModel:
+    def changed(self, **values: FloatArray | PoseLayout | float) -> SpaceModel:
         """Return the model with some of its values replaced."""
         return dataclasses.replace(self, **values)  # type: ignore[arg-type]
 

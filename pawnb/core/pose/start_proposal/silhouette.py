@@ -14,7 +14,7 @@ import numpy as np
 from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
 
-from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.start_proposal.parameters import POSE_PROPOSAL
 
@@ -23,11 +23,11 @@ class BackgroundModel(Protocol):
     """What is asked of a :class:`pawnb.core.pose.background.Background`."""
 
     @property
-    def mean(self) -> np.ndarray:
+    def mean(self) -> AnyArray:
         """Mean grey value of every pixel, (H, W)."""
 
     @property
-    def sd(self) -> np.ndarray:
+    def sd(self) -> AnyArray:
         """Its standard deviation, (H, W)."""
 
 

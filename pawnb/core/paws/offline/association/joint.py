@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import cv2
 import numpy as np
 
-from pawnb.arrays import Float32Array, FloatArray, IntArray
+from pawnb.arrays import AnyArray, Float32Array, FloatArray, IntArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.identities import decide
@@ -29,7 +29,7 @@ def tell_apart(
     trust: float,
     radius: float,
     parameters: IdentityParameters,
-) -> tuple[list[ViewTracklet], np.ndarray]:
+) -> tuple[list[ViewTracklet], AnyArray]:
     """Cut what may be points into tracklets, and give them names.
 
     Parameters

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray, Float32Array, FloatArray, IntArray
+from pawnb.arrays import AnyArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
@@ -149,8 +149,8 @@ def _distances(stack: BodyStack, shape: tuple[int, int], xy: FloatArray) -> Floa
 
 
 def vary_picture(
-    grey: ByteArray, colour: np.ndarray | None, random: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+    grey: ByteArray, colour: AnyArray | None, random: np.random.Generator
+) -> tuple[AnyArray, AnyArray | None, AnyArray]:
     """Return a picture turned, scaled, shifted and lit differently, and the map to it.
 
     Parameters

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pawnb.arrays import Float32Array
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.errors import InputError
@@ -143,7 +143,7 @@ def paint(found: Detections, stack: BodyStack, point: int) -> Float32Array:
     return ratio
 
 
-def bump_at(shape: tuple[int, int], place: Sequence[float] | np.ndarray, sd: float) -> Float32Array:
+def bump_at(shape: tuple[int, int], place: Sequence[float] | FloatArray, sd: float) -> Float32Array:
     """Return a Gaussian of height 1 about a place (x, y), float32.
 
     Parameters

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
@@ -51,7 +51,7 @@ class ClosedGap:
 
 def resolve_conflicts(
     closed: list[ClosedGap],
-    close_again: Callable[[ClosedGap, np.ndarray], ClosedGap],
+    close_again: Callable[[ClosedGap, AnyArray], ClosedGap],
     n_detections: int,
 ) -> list[ClosedGap]:
     """Leave detections that two points took to one of them.

@@ -19,7 +19,7 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits
 from pawnb.core.paws.offline.quality.measures import (
@@ -172,7 +172,7 @@ def assess(
 
 def label_chances(
     tracks: Tracks, *, clicks: pd.DataFrame | None = None, limits: QualityLimits | None = None
-) -> np.ndarray:
+) -> AnyArray:
     """Return the probability that each label is right: what the verdict is the mean of.
 
     Parameters

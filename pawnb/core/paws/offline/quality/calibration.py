@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import expit, logit, ndtr
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.core.paws.offline.quality.signs import Signs
 
@@ -52,7 +52,7 @@ def of_all_views(chance: FloatArray) -> FloatArray:
     return np.broadcast_to(np.where(n > 0, expit(mean), 0.0), chance.shape)
 
 
-def standard_deviation(sd: FloatArray, right: FloatArray, extent: float | np.ndarray) -> FloatArray:
+def standard_deviation(sd: FloatArray, right: FloatArray, extent: float | AnyArray) -> FloatArray:
     """Return the standard deviation of estimates along each axis.
 
     An estimate is either right, but for what a click is off by, or astray by about the size of

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import expit
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.quality.calibration import log_odds
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
@@ -43,7 +43,7 @@ class LeftOutClick:
 
 
 def offsets(
-    clicks: Sequence[LeftOutClick], *, log_odds: Callable[[np.ndarray], np.ndarray] = log_odds
+    clicks: Sequence[LeftOutClick], *, log_odds: Callable[[AnyArray], AnyArray] = log_odds
 ) -> dict[int, float]:
     """Return by how much the log-odds of labels differ from what their signs say.
 

@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.quality.measures import CALIBRATED, LIKENESS, read_labels
 from pawnb.core.paws.offline.quality.parameters import QUALITY
@@ -21,7 +22,7 @@ _EVEN_GREY = 1e-3
 """Guard: grey values that differ by less are even, and have no correlation."""
 
 
-def measure_likeness(views: Views, tracks: Tracks, clicks: pd.DataFrame) -> np.ndarray:
+def measure_likeness(views: Views, tracks: Tracks, clicks: pd.DataFrame) -> FloatArray:
     """Measure how much the pictures at labels look like those at the clicks of their point.
 
     Parameters

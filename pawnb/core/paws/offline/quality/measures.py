@@ -15,6 +15,7 @@ import pandas as pd
 from scipy.ndimage import distance_transform_edt
 from scipy.special import expit, logit
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.quality.departure import departs_from_clicks
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
 from pawnb.core.paws.offline.quality.one_place import on_one_place, on_one_place_in_space
@@ -96,7 +97,7 @@ def _body_px(uv: np.ndarray, tracks: Tracks, clicks: pd.DataFrame | None) -> np.
     return np.where(np.isfinite(body), body, usual)
 
 
-def largest_distance(places: np.ndarray) -> float:
+def largest_distance(places: FloatArray) -> float:
     """Return the largest distance between two of some places (P, d); NaN where there is none."""
     places = places[np.isfinite(places).all(axis=-1)]
     if len(places) < 2:
@@ -105,7 +106,7 @@ def largest_distance(places: np.ndarray) -> float:
     return float(away.max()) or np.nan
 
 
-def usual_span(places: np.ndarray) -> float:
+def usual_span(places: FloatArray) -> float:
     """Return the median over frames of the largest distance of places (n, P, d).
 
     Parameters
@@ -125,7 +126,7 @@ def usual_span(places: np.ndarray) -> float:
     return float(np.median(known)) if len(known) else np.nan
 
 
-def measure_places(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> list[Measure]:
+def measure_places(labels: Labels, limits: QualityLimits, trust: FloatArray) -> list[Measure]:
     """Measure what speaks against labels of any method: places that no animal can have.
 
     Parameters
@@ -181,7 +182,7 @@ def measure_evidence(tracks: Tracks, labels: Labels, limits: QualityLimits) -> l
     ]
 
 
-def falling(values: np.ndarray, fall: tuple[float, float, float]) -> np.ndarray:
+def falling(values: FloatArray, fall: tuple[float, float, float]) -> FloatArray:
     """Return 1 up to a value, less beyond it.
 
     Parameters

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
@@ -66,8 +66,8 @@ class Signs:
 def read_signs(
     found: Estimates,
     *,
-    motion: np.ndarray,
-    look: np.ndarray,
+    motion: AnyArray,
+    look: AnyArray,
     agreement: FloatArray,
     clicked: Sequence[int],
     usual_look: float,
@@ -106,7 +106,7 @@ def read_signs(
     )
 
 
-def usual_look(found: Mapping[int, Estimates], looks: Mapping[int, np.ndarray]) -> float:
+def usual_look(found: Mapping[int, Estimates], looks: Mapping[int, AnyArray]) -> float:
     """Return the mean logarithm of the ratios by appearance at all estimates of a view.
 
     Parameters
@@ -150,7 +150,7 @@ def sum_from_clicks(values: FloatArray, clicked: Sequence[int]) -> FloatArray:
     return least
 
 
-def mean_along(values: np.ndarray, stops: Sequence[int]) -> FloatArray:
+def mean_along(values: AnyArray, stops: Sequence[int]) -> FloatArray:
     """Return the mean of values over the rows about each, up to the next stop on either side.
 
     Parameters

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, Points3D
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, Points3D
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
@@ -134,7 +134,7 @@ class BottomView(InSpace):
         return PointHypotheses(at[kept], cost[kept])
 
     def heights(
-        self, uv: FloatArray, seen: Sequence[np.ndarray], good: Sequence[FloatArray]
+        self, uv: FloatArray, seen: Sequence[AnyArray], good: Sequence[FloatArray]
     ) -> tuple[FloatArray, FloatArray]:
         """Return what the other views say of the height of points.
 

@@ -13,7 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.association.network_flow.priors.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
@@ -162,13 +162,13 @@ class Geometry(Protocol):
 
     def anchors_of_paths(
         self,
-        here: Mapping[int, np.ndarray],
+        here: Mapping[int, AnyArray],
         found: InViews,
         observations: Observations,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
-    ) -> dict[int, np.ndarray]:
+    ) -> dict[int, AnyArray]:
         """Return where paths of placed points pass in one frame.
 
         Parameters
@@ -192,8 +192,8 @@ class Geometry(Protocol):
         ...
 
     def tracked_points(
-        self, places: np.ndarray, observations: Observations, *, acceleration: float
-    ) -> np.ndarray:
+        self, places: AnyArray, observations: Observations, *, acceleration: float
+    ) -> AnyArray:
         """Return where the tracked points are of chosen places.
 
         Parameters
@@ -243,7 +243,7 @@ class Geometry(Protocol):
         """
         ...
 
-    def appearance_cost(self, total: np.ndarray) -> np.ndarray:
+    def appearance_cost(self, total: AnyArray) -> AnyArray:
         """Return what appearance counts against tracklets, of the costs of their places."""
         ...
 

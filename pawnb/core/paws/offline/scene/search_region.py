@@ -48,7 +48,7 @@ class SearchRegion:
 
     def search(
         self, projection: Projection, sizes: Sequence[tuple[int, int]], from_below: BoolArray
-    ) -> tuple[list[ROI], list[np.ndarray]]:
+    ) -> tuple[list[ROI], list[FloatArray]]:
         """Return the region of each view, and the limits within which paws can be.
 
         Parameters

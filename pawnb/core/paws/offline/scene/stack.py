@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray, Float32Array, FloatArray
+from pawnb.arrays import AnyArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.parallel import Threads, in_parts
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import Annotations
@@ -82,11 +82,11 @@ class BodyStack:
             backward=self.backward[begin : end - 1],
         )
 
-    def to_grid(self, xy: np.ndarray) -> FloatArray:
+    def to_grid(self, xy: AnyArray) -> FloatArray:
         """Return places of the grid (x, y) of positions (..., 2) in working px."""
         return (np.asarray(xy, float) - self.spacing // 2) / self.spacing
 
-    def from_grid(self, place: np.ndarray) -> FloatArray:
+    def from_grid(self, place: AnyArray) -> FloatArray:
         """Return positions (..., 2) in working px of places of the grid."""
         return np.asarray(place, float) * self.spacing + self.spacing // 2
 
@@ -95,7 +95,7 @@ class BodyStack:
         A = self.to_body[row]
         return self.to_grid(np.asarray(uv, float) @ A[:, :2].T + A[:, 2])
 
-    def picture_of(self, place: np.ndarray, row: int | np.ndarray) -> FloatArray:
+    def picture_of(self, place: AnyArray, row: int | IntArray) -> FloatArray:
         """Return positions (..., 2), px of the view, of places of the grid in a row (or rows)."""
         A = self.to_body[row]
         back = np.linalg.inv(A[..., :2])

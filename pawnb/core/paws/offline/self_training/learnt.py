@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.arrays import AnyArray, Float32Array
 from pawnb.core.paws.offline.detection.appearance import Lesson
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.schema import Tracks
@@ -95,7 +96,7 @@ class Earlier:
     uv: np.ndarray
     chance: np.ndarray
 
-    def mean_mass(self, stack: BodyStack, point: int, prior: np.ndarray) -> np.ndarray:
+    def mean_mass(self, stack: BodyStack, point: int, prior: AnyArray) -> Float32Array:
         """Return the mean probability of every place (h, w) over the rows.
 
         Parameters

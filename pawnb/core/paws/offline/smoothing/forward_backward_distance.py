@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.smoothing import forward_backward_kernels as loops
 from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 
@@ -84,7 +84,7 @@ def forward_backward_distance(equations: NormalEquations) -> FloatArray:
     return apart
 
 
-def leave_one_out(x: np.ndarray, equations: NormalEquations) -> tuple[np.ndarray, np.ndarray]:
+def leave_one_out(x: AnyArray, equations: NormalEquations) -> tuple[AnyArray, AnyArray]:
     """Tell every frame from all others: smoothed tracks without what the frame itself measured.
 
     Parameters

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray
 from pawnb.core.paws.offline.smoothing.forward_backward_distance import NormalEquations
 
 
@@ -62,7 +62,7 @@ class SmoothedTracks:
         none = np.zeros((n, n_points, n_views))
         return cls(x, x, measured, none, each, np.full(none.shape, np.nan), each)
 
-    def points(self, which: np.ndarray | slice) -> SmoothedTracks:
+    def points(self, which: AnyArray | slice) -> SmoothedTracks:
         """Return the tracks of some points, without what they were smoothed from."""
         return SmoothedTracks(*(getattr(self, name)[:, which] for name in _OF_POINTS))
 

@@ -49,7 +49,7 @@ class Cycle:
     axes: FloatArray
     stride: float
 
-    def square(self, frames: np.ndarray | int, point: int, x: FloatArray) -> FloatArray:
+    def square(self, frames: IntArray | int, point: int, x: FloatArray) -> FloatArray:
         """Return the squared distance of positions (..., d), in standard deviations.
 
         Parameters

@@ -189,12 +189,12 @@ def learn_substrate(
 
 def learn_liftoff_velocity(
     substrate: Substrate,
-    x: np.ndarray,
-    seen: np.ndarray,
+    x: FloatArray,
+    seen: BoolArray,
     *,
     lift_offs: Sequence[tuple[int, int]],
     frames: int,
-) -> np.ndarray:
+) -> FloatArray:
     """Learn by how much the speed of each point changes at lift-off.
 
     Parameters

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.stride import trajectory_kernels as loops
 from pawnb.core.paws.offline.stride.parameters import STRIDE
 
@@ -82,7 +82,7 @@ class SwingTrajectory:
 
 
 def trajectory_at(
-    values: FloatArray, shape: FloatArray, frames: np.ndarray
+    values: FloatArray, shape: FloatArray, frames: AnyArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return how far forward and up swings are in some frames.
 
@@ -105,7 +105,7 @@ def trajectory_at(
 
 
 def changes(
-    values: FloatArray, shape: FloatArray, frames: np.ndarray
+    values: FloatArray, shape: FloatArray, frames: AnyArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T).
 

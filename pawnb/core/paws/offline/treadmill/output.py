@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from pawnb.arrays import BoolArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, IntArray
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
@@ -153,7 +153,7 @@ def _origins(seen: BoolArray, *, enough: int) -> tuple[IntArray, IntArray]:
     )
 
 
-def keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
+def keep_rows(old: Tracks, new: Tracks, kept: AnyArray) -> Tracks:
     """Copy the rows of ``old`` that were not tracked again, and its times and attributes.
 
     Parameters

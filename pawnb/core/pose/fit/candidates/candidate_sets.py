@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from pawnb.arrays import ByteArray, FloatArray
+from pawnb.arrays import AnyArray, ByteArray, FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 
 
@@ -91,7 +91,7 @@ _OF_PAIRS = ("shared", "crossed")
 
 
 def recalled(
-    fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: np.ndarray
+    fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: AnyArray
 ) -> LegCandidates:
     """Return what :meth:`LegCandidates.record` was made of, given the grey pixels of its box.
 

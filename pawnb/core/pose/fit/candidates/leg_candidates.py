@@ -185,7 +185,7 @@ def part_near(image_evidence: ImageEvidence, legs: Sequence[FloatArray]) -> Imag
 def with_candidates(
     fitter: FrameFitter,
     candidates: LegCandidates,
-    extra: dict[int, list[np.ndarray]],
+    extra: dict[int, list[FloatArray]],
     *,
     image_evidence: ImageEvidence,
     prior: Prior,

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import threading
 
-import numpy as np
-
+from pawnb.arrays import AnyArray
 from pawnb.core.pose.fit.layout import PoseLayout
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas
 
@@ -25,7 +24,7 @@ class Canvas(threading.local):
         self._layout = layout
         self._room = make_canvas(1, 1, layout)
 
-    def of_shape(self, shape: tuple[int, ...]) -> tuple[np.ndarray, ...]:
+    def of_shape(self, shape: tuple[int, ...]) -> tuple[AnyArray, ...]:
         """Return the canvas for a picture of a shape.
 
         Parameters

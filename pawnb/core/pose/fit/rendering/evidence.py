@@ -13,7 +13,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.fit.rendering.evidence_kernels import (
     behind_filter,
@@ -34,11 +34,11 @@ class BackgroundPicture(Protocol):
     """The empty scene: grey values and their standard deviation, shape (H, W)."""
 
     @property
-    def mean(self) -> np.ndarray:
+    def mean(self) -> AnyArray:
         """Mean grey values."""
 
     @property
-    def sd(self) -> np.ndarray:
+    def sd(self) -> AnyArray:
         """Their standard deviation."""
 
 
@@ -183,7 +183,7 @@ def without_wide(image_evidence: ImageEvidence, body: BoolArray, *, size: int) -
     return ImageEvidence(seen, weight, image_evidence.box)
 
 
-def reduced(picture: np.ndarray, factor: int) -> FloatArray:
+def reduced(picture: AnyArray, factor: int) -> FloatArray:
     """Return the mean of squares of ``factor`` pixels; a rest at right and bottom is left out."""
     height, width = (n // factor for n in picture.shape)
     whole = np.asarray(picture, dtype=float)[: height * factor, : width * factor]

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.pose.fit.sequence.messages import from_neighbours
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 
@@ -63,8 +63,8 @@ def learn_motion(legs: Sequence[FloatArray], known: FloatArray) -> FloatArray:
 
 
 def motion_messages(
-    precision: np.ndarray, vector: np.ndarray, motion: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    precision: AnyArray, vector: AnyArray, motion: AnyArray
+) -> tuple[AnyArray, AnyArray]:
     """Return where all other frames have a leg in each frame, and how surely.
 
     Parameters

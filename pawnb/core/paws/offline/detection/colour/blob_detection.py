@@ -10,7 +10,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pawnb.arrays import Float32Array, FloatArray
+from pawnb.arrays import AnyArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 
@@ -48,7 +48,7 @@ def detect_blobs(score: Float32Array, reach: int, usual: float) -> tuple[FloatAr
     return np.column_stack([u, v]) + shift.T, likeness
 
 
-def peaks_at(score: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
+def peaks_at(score: AnyArray, at: AnyArray, reach: int) -> AnyArray:
     """Return the smoothed score (n,) at some positions (n, 2), px of the score.
 
     Parameters

@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 import cv2
 import numpy as np
 
-from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
 from pawnb.core.paws.offline.detection.colour.photometry.background import to_grey
 from pawnb.core.paws.offline.detection.colour.photometry.colour_quantisation import (
@@ -78,7 +78,7 @@ class Appearance:
 
     def score(
         self, pixels: ByteArray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
-    ) -> np.ndarray:
+    ) -> AnyArray:
         """Return the log-likelihood ratio (h, w) float32 of a part of the view.
 
         Parameters
@@ -124,7 +124,7 @@ def learn(
     clicks: Sequence[FloatArray],
     *,
     around_px: int,
-    backgrounds: Sequence[np.ndarray | None] | None = None,
+    backgrounds: Sequence[ByteArray | None] | None = None,
 ) -> Appearance:
     """Learn the appearance of paws in one view.
 

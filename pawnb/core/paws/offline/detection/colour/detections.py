@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, Float32Array
+from pawnb.arrays import AnyArray, BoolArray, Float32Array
 
 N_COLUMNS = 8
 """Layout: numbers of a detection, in tables for loops and files."""
@@ -32,12 +32,12 @@ class ColourDetections:
     @classmethod
     def of(
         cls,
-        uv: np.ndarray,
+        uv: AnyArray,
         *,
-        direction: np.ndarray,
-        coverage: np.ndarray,
-        score: np.ndarray,
-        tip: np.ndarray,
+        direction: AnyArray,
+        coverage: AnyArray,
+        score: AnyArray,
+        tip: AnyArray,
     ) -> ColourDetections:
         """Return detections.
 
@@ -76,17 +76,17 @@ class ColourDetections:
         return self.table[..., _UV]
 
     @property
-    def direction(self) -> np.ndarray:
+    def direction(self) -> AnyArray:
         """Where the limb ends (..., 2), px: from the centre of a wider neighbourhood to ``uv``."""
         return self.table[..., _DIRECTION]
 
     @property
-    def coverage(self) -> np.ndarray:
+    def coverage(self) -> AnyArray:
         """Share (...,) of mask in the square about the end."""
         return np.asarray(self.table[..., _COVERAGE])
 
     @property
-    def score(self) -> np.ndarray:
+    def score(self) -> AnyArray:
         """Mean score (...,) of the mask near the end."""
         return np.asarray(self.table[..., _SCORE])
 
@@ -95,7 +95,7 @@ class ColourDetections:
         """The end pixel itself (..., 2), px."""
         return self.table[..., _TIP]
 
-    def take(self, which: np.ndarray) -> ColourDetections:
+    def take(self, which: AnyArray) -> ColourDetections:
         """Return some of them, by number or a mask."""
         return ColourDetections(self.table[which])
 

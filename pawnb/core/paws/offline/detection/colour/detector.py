@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
-from pawnb.arrays import Float32Array, FloatArray
+from pawnb.arrays import AnyArray, Float32Array, FloatArray
 from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
@@ -64,9 +64,7 @@ class DetectorConfig:
     most: int = field(default_factory=lambda: COLOUR.most_found)
 
 
-def detect(
-    pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
-) -> ColourDetections:
+def detect(pixels: AnyArray, origin: tuple[int, int], detector: DetectorConfig) -> ColourDetections:
     """Find the ends of paw-coloured parts.
 
     Parameters

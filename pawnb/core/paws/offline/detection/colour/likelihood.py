@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.detection.colour.detections import ColourDetections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
@@ -73,7 +73,7 @@ def measures(
     *,
     score: float,
     paw_width_px: float,
-) -> dict[str, np.ndarray]:
+) -> dict[str, AnyArray]:
     """Return what is measured of detections.
 
     Parameters

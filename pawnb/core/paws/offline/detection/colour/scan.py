@@ -11,7 +11,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.parallel import THREADS, Threads
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -60,7 +60,7 @@ class ROI:
         (u0, u1), (v0, v1) = ends
         return u0, v0, u1, v1
 
-    def follow(self, u: np.ndarray, likeness: FloatArray) -> None:
+    def follow(self, u: AnyArray, likeness: FloatArray) -> None:
         """Move with the mean of the detections, by how much each looks like a paw.
 
         What looks little like one may be a part of the belt or the box: it does not move
@@ -266,7 +266,7 @@ def _shown(
         yield pictures
 
 
-def searched(picture: FramePixels, roi: ROI, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
+def searched(picture: FramePixels, roi: ROI, shrink: int) -> tuple[AnyArray, tuple[int, int]]:
     """Return the part of a picture that is searched, reduced, and its left and top in px.
 
     Parameters

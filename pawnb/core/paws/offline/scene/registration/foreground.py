@@ -37,7 +37,7 @@ class Blob:
 
 
 def find_blob(
-    pictures: np.ndarray, camera: CameraMotion, *, clicks: Mapping[int, np.ndarray], extent: float
+    pictures: ByteArray, camera: CameraMotion, *, clicks: Mapping[int, FloatArray], extent: float
 ) -> Blob:
     """Follow the foreground blob that holds the clicks, both ways from the first of them.
 

@@ -21,7 +21,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from pawnb.arrays import ByteArray, Float32Array, FloatArray, IntArray
+from pawnb.arrays import AnyArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.paws.offline.detection.colour_parameters import COLOUR
 
 _BRIGHTER, _REDDER, _BLUER = (0.30, 0.59, 0.11), (1.0, -1.0, 0.0), (-0.5, -0.5, 1.0)
@@ -63,7 +63,7 @@ class FineColours:
         return np.asarray(score - np.float32(COLOUR.colour_quantisation_less) * about)
 
 
-def fine_colours_near(colours: np.ndarray, *, is_faint: bool = False) -> FineColours:
+def fine_colours_near(colours: AnyArray, *, is_faint: bool = False) -> FineColours:
     """Return what turns a colour into fine steps about the middle of some colours.
 
     Parameters
@@ -98,12 +98,12 @@ def fine_colours_floor() -> FloatArray:
 
 
 def bin_numbers(
-    pixels: np.ndarray,
+    pixels: AnyArray,
     around_px: int,
-    background: np.ndarray | None = None,
+    background: AnyArray | None = None,
     *,
     fine_colours: FineColours | None = None,
-) -> np.ndarray:
+) -> AnyArray:
     """Return the bin (h, w) of each pixel of an RGB or a grey picture.
 
     Parameters
