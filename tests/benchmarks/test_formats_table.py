@@ -21,5 +21,7 @@ def test_rows_are_printed_and_written(tmp_path, monkeypatch, capsys):
         for row in table.itertuples():
             for cell in (row.read, row.written):
                 if cell != "-" and not cell.startswith("no "):  # a library that is not installed
-                    assert float(cell.split()[0]) < 1e-4, row
+                    # DLTdv 8 writes five digits of a coefficient
+                    most = 5e-3 if row.format == "DLTdv 8 DLTcoefs" else 1e-4
+                    assert float(cell.split()[0]) < most, row
     assert "largest error, px or mm" in capsys.readouterr().out

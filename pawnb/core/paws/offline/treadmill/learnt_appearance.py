@@ -137,6 +137,7 @@ def track_by_strides(
         scene = move_anchors(scene, paws.layout, paws.anchors)
     seen = _with_predictions(seen, scene, paws, task)
     refined = solve(seen, scene, paws, task=task, settings=settings)
+    refined = refined.within(TREADMILL.tracker_beyond * scene.body_scale)
     n = task.frames[1] - task.frames[0]
     result = empty_result(n, layout).with_points(~marks, refined)
     if follower is not None:

@@ -38,7 +38,7 @@ class TreadmillParameters:
     pipeline_same : float
         A place that says that a point is so many paw widths from where it was placed is another's.
         Set by hand.
-    pipeline_beyond : float
+    tracker_beyond : float
         What no view found and is predicted further from the middle of the others than so many body
         sizes is missing. That of :class:`.quality.labels.QualityLimits`, set by hand. A walking man
         filmed by four cameras had a hand predicted 1000 body sizes away.
@@ -74,7 +74,7 @@ class TreadmillParameters:
     pipeline_changes: float = 2.0
     changed_frames: int = 5
     pipeline_same: float = 1.2
-    pipeline_beyond: float = 1.25
+    tracker_beyond: float = 1.25
     least_seen: float = 0.3
     least_seen_aside: float = 0.1
     hidden_speed: float = 1.5

@@ -44,8 +44,7 @@ def run_pipeline(recording: Recording) -> SmoothedTracks:
         if not learnt.stride.is_known and state.passes > 1:
             break
         state = track_once(learnt)
-    smoothed = diagnose(state).smoothed.points(slice(len(recording.layout.kinds)))
-    return smoothed.within(TREADMILL.pipeline_beyond * recording.scene.body_scale)
+    return diagnose(state).smoothed.points(slice(len(recording.layout.kinds)))
 
 
 def track_once(state: PipelineState) -> PipelineState:

@@ -123,6 +123,7 @@ def track_treadmill(
     result = empty_result(n, layout)
     if n and scene is not None:
         paws = solve(seen, scene, asked.of(~marks), task=task, settings=settings)
+        paws = paws.within(TREADMILL.tracker_beyond * scene.body_scale)
         result = result.with_points(~marks, paws)
     if n and follower is not None:
         followed = join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)

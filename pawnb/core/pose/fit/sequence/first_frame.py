@@ -28,7 +28,7 @@ from pawnb.core.pose.fit.support import body_support
 from pawnb.core.video.views import Frame
 
 _XY = 2
-"""PoseLayout: parameters of a pose that say where it is; the heading comes next."""
+"""Layout: parameters of a pose that say where it is; the heading comes next."""
 
 
 def start_prior(fitter: FrameFitter, pose: FloatArray) -> Prior:
