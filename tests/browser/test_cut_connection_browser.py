@@ -167,12 +167,16 @@ def test_a_line_that_is_cut_and_back_keeps_what_was_done(widget):
     notebook.wait("!c.connection.down", seconds=60)
     notebook.settle()
     assert notebook.page.locator(LOST).is_hidden()
-    # Jupyter, too, tries to connect again, at a time of its own, and closes the new line for it
-    notebook.page.wait_for_timeout(3000)
-    notebook.wait("!c.connection.down", seconds=60)
-    notebook.settle()
-    drag(widget, was, was + 10)
-    notebook.settle()
+    # Jupyter, too, tries to connect again, at a time of its own, and closes the new line for it:
+    # what is dragged in that moment is refused, as above
+    for _ in range(3):
+        notebook.page.wait_for_timeout(3000)
+        notebook.wait("!c.connection.down", seconds=60)
+        notebook.settle()
+        drag(widget, was, was + 10)
+        notebook.settle()
+        if np.hypot(*(place(widget) - was)) > 3:
+            break
     assert np.hypot(*(place(widget) - was)) > 3
     assert widget.file.read_bytes() != kept
 
