@@ -7,6 +7,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from format_programs import argus_writes_coefficients
 
 from pawnb.core.dlt import fit_dlt, project
 from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
@@ -124,7 +125,7 @@ def coefficients(
     digits : int
         Significant digits that the program writes.
     known_from : str
-        How it is known what the program writes.
+        How it is known what the program writes; empty where it writes itself.
     """
     K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
     angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
@@ -136,11 +137,14 @@ def coefficients(
         "easywand": np.column_stack([uv[:, 0] + 1.0, 480.0 - uv[:, 1]]),
         "argus": np.column_stack([uv[:, 0], 480.0 - uv[:, 1]]),
     }[program]
-    lines = [f"{x:.{digits}g}" for x in fit_dlt(xyz, moved).coefs]
-    (folder / "theirs.csv").write_text("\n".join(lines) + "\n")
+    theirs = folder / "theirs.csv"
+    if program == "argus":
+        argus_writes_coefficients(fit_dlt(xyz, moved).coefs, folder / "a").rename(theirs)
+    else:
+        lines = [f"{x:.{digits}g}" for x in fit_dlt(xyz, moved).coefs]
+        theirs.write_text("\n".join(lines) + "\n")
     heights = None if program == "dltdv" else [480]
-    calibrate_from_file(
-        folder / "theirs.csv", out=folder / "ours.csv", program=program, heights_px=heights
-    )
+    calibrate_from_file(theirs, out=folder / "ours.csv", program=program, heights_px=heights)
     ours = read_coefs(folder / "ours.csv", ["cam1"])
-    return f"{np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max():.1g} ({known_from})", "-"
+    said = f"{np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max():.1g}"
+    return said + (f" ({known_from})" if known_from else ""), "-"

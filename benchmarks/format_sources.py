@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from format_programs import argus_reads, argus_writes, dltdv7_reads, dltdv7_writes
 from format_recording import FPS, POINTS, N, off, places, recording, tracks_of
 
 from pawnb.io.formats import read_any_tracks, write_any_tracks
@@ -20,7 +21,9 @@ def own(folder: Path, program: str, name: str, **more: Any) -> tuple[str, str]:
     points = [f"pt{k + 1}" for k in range(4)] if program.startswith("dltdv") else POINTS
     tracks = tracks_of(true, views=0 if space else 2).assign_coords(keypoint=points)
     (ours,) = write_any_tracks(tracks, folder / name, program=program, **more)
-    found = read_any_tracks(ours, fps=FPS, **more).assign_coords(keypoint=POINTS)
+    found = read_any_tracks(ours, fps=FPS, **more)
+    if program.startswith("dltdv"):
+        found = found.assign_coords(keypoint=POINTS)
     said = off(places(found), true)
     return f"{said} (own)", f"{said} (own)"
 
@@ -59,7 +62,9 @@ def authors2019_files(folder: Path) -> tuple[str, str]:
     2047 - X from the centre of the first pixel.
     """
     del folder
-    data = Path(os.environ["PAWNB_TEST_DATA"]) / "rat-4cam-tracks"
+    data = Path(os.environ.get("PAWNB_TEST_DATA", "-")) / "rat-4cam-tracks"
+    if not data.is_dir():
+        raise ModuleNotFoundError("no files of the authors", name="files")
     worst = 0.0
     for path in sorted(data.glob("cam1.f.*.csv")):
         tracks = read_any_tracks(path, fps=FPS)["image_position"].isel(individual=0)
@@ -79,21 +84,49 @@ def authors2019_files(folder: Path) -> tuple[str, str]:
     return f"{worst:.1g} (their files)", "-"
 
 
-def dltdv_sparse(folder: Path, kind: str) -> tuple[str, str]:
-    """Read a file laid out as sparseSave of DLTdv 8's source writes it, by columns, 6 decimals."""
-    space = kind == "xyzpts"
-    true = recording(1, space=space)[:, :, 0]
-    axes = ("_X", "_Y", "_Z") if space else ("_cam1_X", "_cam1_Y")
-    names = [f"{point}{axis}" for point in POINTS for axis in axes]
-    full = true.reshape(N, -1) + (0.0 if space else 1.0)  # DLTdv counts pixels from 1
-    cells = [f"{row + 1}\t{column + 1}\t{full[row, column]:.6f}"
-             for column in range(full.shape[1]) for row in range(N)
-             if np.isfinite(full[row, column])]  # fmt: skip
-    head = ["\t".join(names), f"{N}\t{full.shape[1]}\t{len(cells)}"]
-    path = folder / f"theirs_{kind}.tsv"
-    path.write_text("\n".join(head + cells) + "\n")
-    read = off(places(read_any_tracks(path, fps=FPS))[:, :, 0], true)
-    return f"{read} (source)", own(folder, "dltdv-3d" if space else "dltdv", f"a_{kind}.tsv")[1]
+def dltdv7(folder: Path, ending: str, *, space: bool = False) -> tuple[str, str]:
+    """By DLTdv 7 in Octave: it counts from 1, Y upwards, and writes six decimals."""
+    sparse = ending == ".tsv"
+    true, xyz = recording(1)[:, :, 0], recording(1, space=True)[:, :, 0]
+    theirs = np.stack([true + np.array([1.0, 0.0])] * 2, axis=2)
+    theirs[..., 1] = 480.0 - theirs[..., 1]
+    path = dltdv7_writes(theirs, xyz, folder, sparse=sparse)
+    if space:
+        path = path.with_name(path.name.replace("xypts", "xyzpts"))
+        tracks, expected = read_any_tracks(path, fps=FPS), xyz
+    else:
+        tracks, expected = read_any_tracks(path, fps=FPS, heights_px=[480, 480]), true
+    points = [f"pt{k + 1}" for k in range(4)]
+    read = off(places(tracks.assign_coords(keypoint=POINTS))[:, :, 0], expected)
+    ours = tracks_of(recording(1), views=2).assign_coords(keypoint=points)
+    (path,) = write_any_tracks(ours, folder / f"a_xypts{ending}", heights_px=[480, 480])
+    if space:
+        ours = tracks_of(recording(1, space=True)).assign_coords(keypoint=points)
+        write_any_tracks(ours, folder / f"a_xyzpts{ending}")
+    xy, found = dltdv7_reads(path)
+    return read, off(found, xyz) if space else off(xy, theirs)
+
+
+def argus(folder: Path, *, space: bool = False) -> tuple[str, str]:
+    """By Argus, which keeps what it opens in half precision and opens no points in space."""
+    true = recording(1)[:, :, 0]
+    theirs = np.stack([true, true + np.array([5.0, 0.0])], axis=2)
+    theirs[..., 1] = 480.0 - theirs[..., 1]
+    coefs = np.array([[9.0, 0, 0, 320, 0, 9, 0, 240, 0, 0, 0.001],
+                      [0.0, 0, 9, 320, 0, 9, 0, 240, -0.001, 0, 0]])  # fmt: skip
+    path, xyz = argus_writes(theirs, folder / "theirs", coefs if space else None)
+    if space:
+        tracks = read_any_tracks(folder / "theirs-xyzpts.csv", fps=FPS)
+        return off(places(tracks.assign_coords(keypoint=POINTS))[:, :, 0], xyz), own(
+            folder, "argus-3d", "a-xyzpts.csv"
+        )[1]
+    tracks = read_any_tracks(path, fps=FPS, heights_px=[480])
+    read = off(places(tracks.assign_coords(keypoint=POINTS))[:, :, 0], true)
+    ours = tracks_of(recording(1), views=2)  # FR, HR, FL, HL: not as Argus sorts them
+    (path,) = write_any_tracks(ours, folder / "a-xypts.csv", heights_px=[480])
+    shown = argus_reads(path, 2)
+    found = np.stack([shown[point][:, 0] for point in POINTS], axis=1)
+    return read, off(found, theirs[:, :, 0])
 
 
 def xmalab_markers(folder: Path) -> tuple[str, str]:

@@ -29,7 +29,14 @@ import scipy.io
 import xarray as xr
 from format_cameras import aniposelib, coefficients, opencv, pose2sim, xmalab
 from format_recording import ANIMALS, FPS, POINTS, N, off, places, recording, tracks_of
-from format_sources import authors2019, authors2019_files, dltdv_sparse, own, xmalab_markers
+from format_sources import (
+    argus,
+    authors2019,
+    authors2019_files,
+    dltdv7,
+    own,
+    xmalab_markers,
+)
 
 from pawnb.io.formats import read_any_tracks, write_any_tracks
 
@@ -251,14 +258,14 @@ ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
     ("NWB ndx-pose", "movement, pynwb", nwb),
     ("Anipose 3D csv", "movement", anipose),
     ("C3D", "ezc3d", c3d),
-    ("DLTdv xypts", "none", lambda f: own(f, "dltdv", "a_xypts.csv")),
-    ("DLTdv 8 xypts sparse", "none", lambda f: dltdv_sparse(f, "xypts")),
-    ("DLTdv 7 xypts", "none", lambda f: own(f, "dltdv", "b_xypts.csv", heights_px=[480, 480])),
-    ("DLTdv xyzpts", "none", lambda f: own(f, "dltdv-3d", "a_xyzpts.csv")),
-    ("DLTdv 8 xyzpts sparse", "none", lambda f: dltdv_sparse(f, "xyzpts")),
+    ("DLTdv 7 xypts", "DLTdv 7, Octave", lambda f: dltdv7(f, ".csv")),
+    ("DLTdv 7, 8 xypts sparse", "DLTdv 7, Octave", lambda f: dltdv7(f, ".tsv")),
+    ("DLTdv 7, 8 xyzpts", "DLTdv 7, Octave", lambda f: dltdv7(f, ".csv", space=True)),
+    ("DLTdv 7, 8 xyzpts sparse", "DLTdv 7, Octave", lambda f: dltdv7(f, ".tsv", space=True)),
+    ("DLTdv 8 xypts", "none", lambda f: own(f, "dltdv", "a_xypts.csv")),
     ("XMALab 3D points csv", "none", xmalab_markers),
-    ("Argus xypts", "none", lambda f: own(f, "argus", "a-xypts.csv", heights_px=[480])),
-    ("Argus xyzpts", "none", lambda f: own(f, "argus-3d", "a-xyzpts.csv")),
+    ("Argus xypts", "Argus", argus),
+    ("Argus xyzpts", "Argus", lambda f: argus(f, space=True)),
     ("LocoMouse mat", "scipy", locomouse),
     ("2019 authors' csv", "none", authors2019),
     ("2019 authors' trials", "none", authors2019_files),
@@ -277,7 +284,7 @@ ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
         lambda f: coefficients(f, "dltdv", digits=5, known_from="source"),
     ),
     ("easyWand, DLTdv 7 DLTcoefs", "OpenCV", lambda f: coefficients(f, "easywand")),
-    ("Argus DLTcoefs", "OpenCV", lambda f: coefficients(f, "argus")),
+    ("Argus DLTcoefs", "Argus", lambda f: coefficients(f, "argus", known_from="")),
 ]
 
 

@@ -1,6 +1,8 @@
 """Points digitised with Argus: ``...-xyzpts.csv`` in space, ``...-xypts.csv`` in the views.
 
-Argus counts v upwards from the lower edge of the picture: v is the height less its y.
+Argus counts v upwards from the lower edge of the picture: v is the height less its y. It opens a
+table by the order of its columns, which it expects sorted by name, and takes what comes before the
+first ``_`` of a column for the name of its track; tables are written so.
 """
 
 from __future__ import annotations
@@ -137,12 +139,14 @@ def write_argus_points(
     Returns
     -------
     Path
-        The file: a row for every frame from 0 on, cameras numbered in the order of the views.
+        The file: a row for every frame from 0 on, cameras numbered in the order of the views,
+        points sorted by name, and ``-`` for ``_`` in their names.
 
     Raises
     ------
     InputError
-        If there are no points in pictures, several animals, or heights are missing.
+        If there are no points in pictures, several animals, heights are missing, or two points
+        would get one name.
 
     Examples
     --------
@@ -164,9 +168,11 @@ def write_argus_points(
         place[..., 1] = height - place[..., 1]
         parts.append(place)
         points = own.points
-    names = [f"{p}_cam_{n}_{axis}" for p in points for n in range(1, len(views) + 1)
+    called = _track_names(points, Path(path).name)
+    order = sorted(range(len(points)), key=called.__getitem__)
+    names = [f"{called[k]}_cam_{n}_{axis}" for k in order for n in range(1, len(views) + 1)
              for axis in "xy"]  # fmt: skip
-    values = np.stack(parts, axis=2)
+    values = np.stack(parts, axis=2)[:, order]
     return _write(path, names, values.reshape(len(values), -1))
 
 
@@ -183,12 +189,13 @@ def write_argus_points3d(tracks: Tracks, path: str | Path) -> Path:
     Returns
     -------
     Path
-        The file: a row for every frame from 0 on.
+        The file: a row for every frame from 0 on, points sorted by name, and ``-`` for ``_`` in
+        their names.
 
     Raises
     ------
     InputError
-        If there are no points in space, or several animals.
+        If there are no points in space, several animals, or two points would get one name.
 
     Examples
     --------
@@ -197,9 +204,24 @@ def write_argus_points3d(tracks: Tracks, path: str | Path) -> Path:
     """
     own = take_space(tracks)
     own.only_animal("Argus")
-    names = [f"{point}_{axis}" for point in own.points for axis in "xyz"]
-    values = own.whole(own.place[:, :, 0])
+    called = _track_names(own.points, Path(path).name)
+    order = sorted(range(len(called)), key=called.__getitem__)
+    names = [f"{called[k]}_{axis}" for k in order for axis in "xyz"]
+    values = own.whole(own.place[:, order, 0])
     return _write(path, names, values.reshape(len(values), -1))
+
+
+def _track_names(points: Sequence[str], where: str) -> list[str]:
+    """Return names that Argus can read again: none has the ``_`` at which it cuts them off."""
+    called = [point.replace("_", "-") for point in points]
+    twice = {name for name in called if called.count(name) > 1}
+    if twice:
+        both = ", ".join(repr(p) for p, name in zip(points, called, strict=True) if name in twice)
+        raise InputError(
+            f"{where}: Argus has no _ in the names of tracks, and without it {both} are one name; "
+            "give one of them another."
+        )
+    return called
 
 
 def _read(path: str | Path) -> tuple[list[str], dict[str, np.ndarray]]:
@@ -221,6 +243,6 @@ def _columns(table: dict[str, np.ndarray], wanted: Sequence[str], where: str) ->
 
 
 def _write(path: str | Path, names: Sequence[str], values: FloatArray) -> Path:
-    """Write a table without frame numbers; NaN is an empty cell."""
-    rows = [",".join(names), *(",".join(map(word, row)) for row in values)]
+    """Write a table without frame numbers."""
+    rows = [",".join(names), *(",".join(word(x) or "NaN" for x in row) for row in values)]
     return write_text("\n".join(rows) + "\n", path)

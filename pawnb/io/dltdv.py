@@ -1,8 +1,9 @@
 """Points digitised with DLTdv: ``...xyzpts.csv`` in space, ``...xypts.csv`` in the views.
 
-DLTdv 8 also writes both sparse (``.tsv``): the names of the columns, then the numbers of rows, of
-columns and of values, then row, column and value of each point, counted from 1. Beside them lie
-``...offsets.csv``, how many frames each camera runs ahead, and ``...xyzres.csv``, DLTdv's
+DLTdv 7 and 8 also write both sparse (``.tsv``): a title, or the names of the columns, then the
+numbers of rows, of columns and of values, then row, column and value of each point, counted from
+1. Points whose names are not said are called pt1, pt2, ... as in DLTdv's own tables. Beside them
+lie ``...offsets.csv``, how many frames each camera runs ahead, and ``...xyzres.csv``, DLTdv's
 algebraic residual of each point. XMALab exports its markers with the same columns, those in space
 with a column ``Frame`` before them where only some frames are saved.
 """
@@ -37,6 +38,14 @@ DLTRES = "dltres"
 
 OFFSETS = "view_offset"
 """Variable of Tracks (time, view): by how many frames a camera's file runs ahead."""
+
+SPARSE_TITLES = {
+    "camera coordinates": "xypts",
+    "3D coordinates": "xyzpts",
+    "triangulation residuals": "xyzres",
+    "camera offsets": "offsets",
+}
+"""What the title of a sparse file of DLTdv says of it, and what the file is called."""
 
 _MOST_CELLS = 10**8
 """More than an hour of a thousand pictures a second with a dozen points in two cameras."""
@@ -240,15 +249,18 @@ def _read_sparse(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
     """Return frame numbers and the table of a sparse file; NaN where nothing was digitised."""
     where = Path(path).name
     lines = read_text(path, expected="points digitised with DLTdv").rstrip("\n").split("\n")
-    names = re.split(r"[,\t]", lines[0].strip())
     n_rows, n_columns, n_values = map(int, lines[1].split())
+    kind = sparse_kind(lines[0])
+    names = re.split(r"[,\t]", lines[0].strip())
+    if kind is not None:
+        names = _names_of_columns(Path(path), kind, n_columns)
     if n_columns != len(names) or n_values != len(lines) - 2 or n_rows * n_columns > _MOST_CELLS:
         raise InputError(
             f"{where}: says {n_rows} rows, {n_columns} columns and {n_values} values, and has "
             f"{len(names)} names and {len(lines) - 2} values: the file was cut short; copy it "
             "again from where it is whole."
         )
-    values = np.full((n_rows, n_columns), np.nan)
+    values = np.full((n_rows, n_columns), 0.0 if names[0].endswith("_offset") else np.nan)
     for i, line in enumerate(lines[2:], start=3):
         cell = _SPARSE_CELL.fullmatch(line.strip())
         at = (int(cell[1]) - 1, int(cell[2]) - 1) if cell else (-1, -1)
@@ -256,6 +268,56 @@ def _read_sparse(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
             raise InputError(f"{where}: line {i} is {line[:40]!r}; expected row, column and value.")
         values[at] = float(cell[3])
     return np.arange(n_rows), pd.DataFrame(values, columns=names)
+
+
+def sparse_kind(title: str) -> str | None:
+    """Return what kind of sparse file a title is that of, where it is one of DLTdv's titles.
+
+    Parameters
+    ----------
+    title : str
+        The first line of a sparse file.
+
+    Returns
+    -------
+    str or None
+        ``xypts``, ``xyzpts``, ``xyzres`` or ``offsets``; None where the line names the columns.
+    """
+    if not title.startswith("Sparse format"):
+        return None
+    return next((kind for words, kind in SPARSE_TITLES.items() if words in title), None)
+
+
+def _names_of_columns(path: Path, kind: str, n_columns: int) -> list[str]:
+    """Return the names that DLTdv gives the columns in its full tables."""
+    if kind == "offsets":
+        return [f"cam{i + 1}_offset" for i in range(n_columns)]
+    if kind == "xyzres":
+        return [f"pt{i + 1}_{DLTRES}" for i in range(n_columns)]
+    if kind == "xyzpts":
+        return [f"pt{i // 3 + 1}_{'XYZ'[i % 3]}" for i in range(n_columns)]
+    n_views = _number_of_cameras(path, n_columns)
+    n = range(n_columns // 2)
+    return [f"pt{i // n_views + 1}_cam{i % n_views + 1}_{axis}" for i in n for axis in "XY"]
+
+
+def _number_of_cameras(path: Path, n_columns: int) -> int:
+    """Return how many cameras a sparse file of views has, which only those beside it say."""
+    for kind, columns_of_a_point in (("offsets", 0), ("xyzres", 1), ("xyzpts", 3)):
+        other = _beside(path, "xypts", kind)
+        if other is None or not is_sparse(other):
+            continue
+        with other.open(encoding="utf-8") as file:
+            file.readline()
+            n = int(file.readline().split()[1])
+        n_views = n_columns * columns_of_a_point // max(2 * n, 1) if columns_of_a_point else n
+        if n_views > 0 and n_columns % (2 * n_views) == 0:
+            return n_views
+    raise InputError(
+        f"{path.name}: DLTdv's sparse file says neither its cameras nor its points; put the "
+        f"{path.name.replace('xypts', 'offsets')} that DLTdv wrote with it beside it (both names "
+        "as DLTdv gave them), or export flat (csv)."
+    )
 
 
 def _check_layout(

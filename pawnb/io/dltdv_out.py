@@ -10,7 +10,7 @@ import numpy as np
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.io.dltdv import DLTRES, OFFSETS
-from pawnb.io.outgoing import take_space, take_view, views_of, word
+from pawnb.io.outgoing import Outgoing, has_space, take_space, take_view, views_of, word
 from pawnb.io.tables import write_text
 from pawnb.schema import Tracks
 
@@ -34,7 +34,9 @@ def write_dltdv_points(
     -------
     Path
         The file: a row for every frame from 0 on, cameras numbered in the order of the views.
-        Offsets that were read are written beside it.
+        DLTdv opens it together with ``...xyzpts``, ``...xyzres`` and ``...offsets``: these are
+        written beside it, with points in space and offsets where the tracks know them and empty
+        otherwise. A file of that name that is there already is kept where there is nothing to say.
 
     Raises
     ------
@@ -65,11 +67,26 @@ def write_dltdv_points(
     names = [f"{p}_cam{n}_{axis}" for p in points for n in numbers for axis in "XY"]
     values = np.stack(parts, axis=2)
     _write(path, names, values.reshape(len(values), -1))
-    if OFFSETS in tracks:
-        offsets = own.whole(own_offsets(tracks, own.frames))
-        _write(beside(path, "offsets").with_suffix(".csv"), [f"cam{n}_offset" for n in numbers],
-               np.nan_to_num(offsets))  # fmt: skip
+    _write_beside(tracks, path, own, numbers)
     return path
+
+
+def _write_beside(tracks: Tracks, path: Path, own: Outgoing, numbers: Sequence[int]) -> None:
+    """Write the files without which DLTdv does not open one of points in the views."""
+    n_rows = len(own.whole(own.place[:, :, 0]))
+    offsets = np.zeros((n_rows, len(numbers)))
+    if OFFSETS in tracks:
+        offsets = np.nan_to_num(own.whole(own_offsets(tracks, own.frames)))
+    if OFFSETS in tracks or not beside(path, "offsets").exists():
+        _write(beside(path, "offsets"), [f"cam{n}_offset" for n in numbers], offsets)
+    if has_space(tracks):
+        space = take_space(tracks)
+        if space.points == own.points and np.array_equal(space.frames, own.frames):
+            write_dltdv_points3d(tracks, beside(path, "xyzpts"))
+    for kind, axes in (("xyzpts", "XYZ"), ("xyzres", [DLTRES])):
+        if not beside(path, kind).exists():
+            names = [f"{point}_{axis}" for point in own.points for axis in axes]
+            _write(beside(path, kind), names, np.full((n_rows, len(names)), np.nan))
 
 
 def own_offsets(tracks: Tracks, frames: IntArray) -> FloatArray:
@@ -154,7 +171,8 @@ def _write(path: Path, names: Sequence[str], values: FloatArray) -> Path:
     """Write a table of numbers, full (NaN as DLTdv says it) or sparse."""
     rows = [",".join(names)]
     if path.suffix == ".tsv":
-        at = np.argwhere(np.isfinite(values))
+        # what is not there is 0 in a sparse file
+        at = np.argwhere(np.isfinite(values) & ((values != 0.0) | ("offset" not in names[0])))
         rows.append(f"{values.shape[0]}\t{values.shape[1]}\t{len(at)}")
         # by columns, as MATLAB goes through a matrix
         for row, column in at[np.lexsort((at[:, 0], at[:, 1]))]:

@@ -14,6 +14,7 @@ from pawnb.files import check_file
 from pawnb.io import argus
 from pawnb.io.authors2019 import HEADER_LINES
 from pawnb.io.deeplabcut import GROUP, LABELS_GROUP
+from pawnb.io.dltdv import sparse_kind
 from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.nwb import is_nwb
 from pawnb.io.tables import read_column_names
@@ -102,6 +103,9 @@ def _find_in_text(path: Path, head: bytes) -> str | None:
     if len(lines) > HEADER_LINES and lines[HEADER_LINES].startswith("Frames,First Camera"):
         return "authors2019"
     if len(lines) > 1 and "\t" in lines[1] and len(lines[1].split()) == 3:
+        kind = sparse_kind(lines[0])
+        if kind is not None:
+            return {"xypts": "dltdv", "xyzpts": "dltdv-3d"}.get(kind)
         names = [cell.strip() for cell in re.split(r"[,\t]", lines[0])]
         return _find_dltdv(names)
     names = read_column_names(path, expected="tracks as csv")

@@ -23,5 +23,6 @@ def test_rows_are_printed_and_written(tmp_path, monkeypatch, capsys):
                 if cell != "-" and not cell.startswith("no "):  # a library that is not installed
                     # DLTdv 8 writes five digits of a coefficient
                     most = 5e-3 if row.format == "DLTdv 8 DLTcoefs" else 1e-4
+                    most = 0.13 if row.format == "Argus xypts" else most  # half precision
                     assert float(cell.split()[0]) < most, row
     assert "largest error, px or mm" in capsys.readouterr().out
