@@ -31,8 +31,8 @@ class Evaluation:
     text : str
         What was found, in a few lines.
     tables : dict
-        Name to DataFrame: ``summary``, ``legs`` and ``swaps`` of poses, ``errors`` of points,
-        ``events`` where the truth has them.
+        Name to DataFrame: ``summary`` (measure, value, unit), ``legs`` and ``swaps`` of poses,
+        ``errors`` of points, ``events`` where the truth has them.
     """
 
     text: str
@@ -85,7 +85,7 @@ class PointTruth:
         table = _true_points(path)
         limit, hidden = _limits(tracks, threshold_px)
         report = count_errors(tracks, table, threshold_px=limit, hidden_px=hidden)
-        return Evaluation(report.text(), {"errors": report.errors})
+        return Evaluation(report.text(), {"summary": report.summary(), "errors": report.errors})
 
 
 class PoseTruth:

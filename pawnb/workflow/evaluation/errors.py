@@ -154,6 +154,31 @@ class ErrorReport:
         """Minor errors per 1000 frames of all views together."""
         return 1000.0 * self.minor / self.n_frames
 
+    def summary(self) -> pd.DataFrame:
+        """Return the numbers of the report: columns measure, value, unit, as of poses."""
+        per = 1000.0 / self.n_frames
+        rows = [
+            ("frames", self.n_frames, ""),
+            ("visible labels", self.n_labels, ""),
+            ("hidden labels", self.n_hidden, ""),
+            ("major errors", self.major, ""),
+            ("minor errors", self.minor, ""),
+            ("major errors per 1000 frames", self.major_per_1000, ""),
+            ("minor errors per 1000 frames", self.minor_per_1000, ""),
+            ("major errors per 1000 frames, 95 % limit", poisson_limit(self.major) * per, ""),
+            ("minor errors per 1000 frames, 95 % limit", poisson_limit(self.minor) * per, ""),
+            ("labels wrong", self.share_wrong, "share"),
+            ("labels missing", self.share_missing, "share"),
+            ("distance, median", self.median_px, "px"),
+            ("distance, 95th percentile", self.p95_px, "px"),
+            ("distance without constant offset, median", self.median_px_centred, "px"),
+            ("distance without constant offset, 95th percentile", self.p95_px_centred, "px"),
+            ("hidden labels bridged", self.share_hidden_bridged, "share"),
+            ("wrong from", self.threshold_px, "px"),
+            ("bridged within", self.hidden_px, "px"),
+        ]
+        return pd.DataFrame(rows, columns=["measure", "value", "unit"])
+
     def text(self) -> str:
         """Return the report in a few lines."""
         return "\n".join(

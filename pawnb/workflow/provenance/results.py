@@ -180,7 +180,7 @@ def read_result_tracks(path: str | Path) -> Tracks:
     Parameters
     ----------
     path : str or Path
-        The folder, or its ``tracks.nc``.
+        The folder, or its ``tracks.nc``; or a trial, for what lies in its own folder of results.
 
     Returns
     -------
@@ -198,6 +198,8 @@ def read_result_tracks(path: str | Path) -> Tracks:
         If files of the folder are not as the run that is on record left them.
     """
     path = Path(path)
+    if path.is_dir() and not (path / "tracks.nc").exists() and (path / "trial.toml").exists():
+        path /= RESULTS_FOLDER
     path = path / "tracks.nc" if path.is_dir() else path
     tracks = native.read_tracks(path)
     tell_fault(tracks, path)

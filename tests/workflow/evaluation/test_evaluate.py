@@ -113,6 +113,25 @@ def test_paws_against_their_truth(rendered_trial, tmp_path):
     found = evaluate(tmp_path, rendered_trial / "truth" / "tracks.csv")
     assert len(found.tables["errors"]) == 1
     assert found.tables["errors"]["last_frame"].item() == 4
+    summary = found.tables["summary"].set_index("measure")["value"]
+    n = int((pd.read_csv(rendered_trial / "truth" / "tracks.csv")["visible"] == 1).sum())
+    # one error of five labels, and the words say the same numbers
+    assert summary["minor errors"] + summary["major errors"] == 1
+    assert summary["visible labels"] == n
+    assert summary["labels wrong"] == pytest.approx(5 / n, abs=1e-3)
+    said = found.text.splitlines()
+    assert said[0].startswith(f"{summary['frames']:g} frames of all views together, {n} visible")
+    assert f"median distance {summary['distance, median']:.2f} px" in found.text
+
+
+def test_the_results_of_a_trial_are_found_by_the_trial(rendered_trial, tmp_path):
+    shutil.copytree(rendered_trial / "truth", tmp_path / "truth")
+    shutil.copy(rendered_trial / "trial.toml", tmp_path / "trial.toml")
+    (tmp_path / "results").mkdir()
+    truth = tmp_path / "truth" / "tracks.csv"
+    write_tracks(read_tracks_table(truth, fps=250), tmp_path / "results" / "tracks.nc")
+    found = evaluate(tmp_path, truth)
+    assert len(found.tables["errors"]) == 0
 
 
 def test_a_missing_truth_is_named(shifted, tmp_path):
