@@ -39,12 +39,11 @@ def test_a_terminal_is_told_the_rate_and_the_time_left(monkeypatch, columns):
     """Pseudo-terminals of scripts and containers have no width until somebody gives them one."""
     import fcntl
     import pty
-    from multiprocessing import resource_tracker
-
     import struct
     import termios
+    from multiprocessing import resource_tracker
 
-    # from Python 3.14 the lock of the first bar starts this process, which keeps standard error open
+    # from Python 3.14 the lock of a first bar starts this process, and it keeps standard error open
     resource_tracker.ensure_running()
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
