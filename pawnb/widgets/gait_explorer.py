@@ -219,7 +219,8 @@ class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         """Return the button that shows or hides one leg."""
         button = widgets.ToggleButton(
             value=leg in self.session.legs, description=leg, icon="check",
-            tooltip=f"show or hide {leg} in the gait diagram", layout={"width": "4.5em"},
+            tooltip=f"show or hide {leg} in the gait diagram",
+            layout={"width": "auto", "min_width": "4.5em", "max_width": "11em"},
         )  # fmt: skip
         button.observe(self._on_legs, names="value")
         return button

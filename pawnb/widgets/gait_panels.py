@@ -21,8 +21,10 @@ from matplotlib.patheffects import withStroke
 from pawnb import figures
 from pawnb.figures.style import OKABE_ITO
 from pawnb.widgets.gait_session import EVENT_KINDS, GaitSession
-from pawnb.widgets.plot_theme import SCREEN_PT, on_screen
+from pawnb.widgets.plot_theme import SCREEN_PT, on_screen, shortened
 
+_TICK_LETTERS, _NAME_LETTERS = 7, 11
+"""Most letters of a leg's name beside its row and elsewhere: more would run into other plots."""
 _PICKED = OKABE_ITO["yellow"]
 """The stride that is picked is yellow with a black edge: no leg has that colour."""
 _EVENT = OKABE_ITO["vermillion"]
@@ -148,6 +150,10 @@ class GaitPanels:
         table = figures.build_gait_diagram_table(events, dropped=dropped)
         figures.plot_gait_diagram(table, ax=ax)
         self.rows = list(dict.fromkeys(table["leg"]))
+        named = [shortened(leg, _TICK_LETTERS) for leg in self.rows]
+        ax.set_yticks(range(len(self.rows)), named)
+        if max(map(len, named), default=0) > _TICK_LETTERS // 2:
+            ax.set_ylabel("")  # names take its place
         own = dropped[(dropped["what"] == "stride") & dropped["leg"].isin(self.rows)]
         for leg, start, end in own[["leg", "start_s", "end_s"]].itertuples(index=False):
             ax.add_patch(
@@ -166,12 +172,13 @@ class GaitPanels:
         session, ax = self.session, self.signal
         ax.clear()
         leg, signal = session.shown_leg, session.signal()
+        named = shortened(leg, _NAME_LETTERS)
         if signal is not None:
             column = signal.samples[:, signal.legs.index(leg)]
             ax.plot(signal.time_s, column, color=_LINE, linewidth=1.3)
-            ax.set_ylabel(f"{leg}: {signal.signal} ({signal.unit})")
+            ax.set_ylabel(f"{named}: {signal.signal} ({signal.unit})")
         else:
-            ax.set_ylabel(f"{leg}: events")
+            ax.set_ylabel(f"{named}: events")
             ax.set_yticks([])
         known: list[str] = []
         for name, own in session.leg_events.groupby("event", sort=False):
@@ -214,6 +221,8 @@ class GaitPanels:
             return
         self.rose.set_axis_on()
         figures.plot_phase_rose(figures.build_phase_rose_table(phases), ax=self.rose)
+        leg, other = (shortened(name, _NAME_LETTERS) for name in self.session.pair)
+        self.rose.set_title(f"{leg} relative to {other}", pad=8.0)
 
     def _draw_strides(self) -> None:
         """Draw period and duty factor of every stride of the leg."""
@@ -224,7 +233,8 @@ class GaitPanels:
         for axis, values in (("x", own["period_s"]), ("y", own["duty_factor"])):
             _at_least(ax, axis, 0.05 * float(values.mean()) if len(own) else 1.0)
         ax.locator_params(nbins=4)
-        ax.set(xlabel=f"Period of {self.session.shown_leg} (s)", ylabel="Duty factor")
+        leg = shortened(self.session.shown_leg, _NAME_LETTERS)
+        ax.set(xlabel=f"Period of {leg} (s)", ylabel="Duty factor")
         if own.empty:
             _say(ax, "none")
 

@@ -177,3 +177,13 @@ def _is_dark_colour(colour: Any) -> bool:
         return False
     rgb = np.array(to_rgba(colour)[:3])
     return bool(np.ptp(rgb) > _MID_GREY and (rgb**2.2) @ [0.2126, 0.7152, 0.0722] < _DARK_GREY)
+
+
+def shortened(name: str, most: int) -> str:
+    """Return a name for a plot: at most so many letters, its ends kept.
+
+    Names of points often differ at their end (``hindpaw_left``, ``hindpaw_right``).
+    """
+    if len(name) <= most:
+        return name
+    return f"{name[: most // 2]}…{name[len(name) - (most - 1) // 2 :]}"

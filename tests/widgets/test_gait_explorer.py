@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import threading
 
 import numpy as np
@@ -291,3 +292,30 @@ def test_a_stride_that_does_not_count_says_why(tables):
     assert "R1 has no whole stride at 5.000 s" in session.text()
     session.undo()
     assert session.text() == "0 corrections."
+
+
+@pytest.mark.filterwarnings(FROM_IPYMPL)
+def test_endless_names_of_legs_stay_in_the_picture(spider):
+    """Hebrew is left out: its letters are in no font of a bare machine."""
+    from pawnb.widgets.gait_explorer import GaitExplorer
+
+    long, script = "a" * 300, "<img src=x onerror=alert(1)>" * 3
+    named = {
+        field.name: table.replace({"R2": long, "R3": script})
+        for field in dataclasses.fields(spider)
+        if isinstance(table := getattr(spider, field.name), pd.DataFrame)
+    }
+    explorer = GaitExplorer(dataclasses.replace(spider, signals=(), **named))
+    explorer.session.show_pair(long, script)
+    explorer._draw()
+    figure = explorer._figure
+    figure.canvas.draw()
+    for ax in figure.axes:
+        for text in (ax.title, ax.xaxis.label, ax.yaxis.label, *ax.get_yticklabels()):
+            if text.get_text():
+                box = text.get_window_extent()
+                assert box.x0 > -8, text
+                assert box.x1 < figure.bbox.x1 + 2, text
+                assert box.y0 > -2, text
+                assert box.y1 < figure.bbox.y1 + 2, text
+    explorer.close()

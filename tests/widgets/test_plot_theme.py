@@ -8,7 +8,7 @@ from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from pawnb.figures.style import colour_legs
-from pawnb.widgets.plot_theme import INK, PAPER, fit_figure, set_theme
+from pawnb.widgets.plot_theme import INK, PAPER, fit_figure, set_theme, shortened
 
 LEGS = colour_legs([f"{side}{rank}" for side in "LR" for rank in range(1, 5)])
 
@@ -94,3 +94,10 @@ def test_plots_are_as_large_as_the_page_has_room(drawn, room, size):
     figure, _, _ = drawn
     fit_figure(figure, room=room, highest_px=640, beside_px=330)
     assert tuple(np.round(figure.get_size_inches() * mpl.rcParams["figure.dpi"])) == size
+
+
+def test_long_names_keep_both_ends():
+    assert [shortened(name, 8) for name in ("R2", "12345678", "hindpaw_left", "hindpaw_right")] == [
+        "R2", "12345678", "hind…eft", "hind…ght",
+    ]  # fmt: skip
+    assert len(shortened("a" * 300, 8)) == 8

@@ -14,7 +14,6 @@ from typing import Protocol
 
 import cv2
 import numpy as np
-from skimage.segmentation import slic
 
 from pawnb.arrays import AnyArray, ByteArray, FloatArray, IntArray, Points2D
 from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings
@@ -217,6 +216,8 @@ def measure_superpixels(
     if crop.ndim == 3 and not has_colour(crop):
         crop = np.ascontiguousarray(crop[..., 1])
     grey = crop.ndim == 2
+    from skimage.segmentation import slic  # slow to import
+
     labels = slic(
         crop,
         n_segments=count_superpixels(window, lengths, settings),

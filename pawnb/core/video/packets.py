@@ -97,7 +97,9 @@ class PacketIndex:
     ) -> None:
         pts, dts, self._positions = (_column(packets, k) for k in range(3))
         self._dts = dts
-        self._seek_ticks = np.where(dts != _UNKNOWN, dts, pts)
+        is_lacking = dts == _UNKNOWN
+        # long files have hundreds of thousands of packets: one column where one will do
+        self._seek_ticks = np.where(is_lacking, pts, dts) if is_lacking.any() else dts
         hidden = np.array([p.is_hidden for p in packets], bool)
         trusted = intra_only or trusts_pts
         trusted = trusted and _UNKNOWN not in pts[~hidden] and not _repeats(pts[~hidden])

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
-from statsmodels.regression.linear_model import OLS
 
 from pawnb.errors import InputError
 from pawnb.schema import check_columns
@@ -72,6 +71,8 @@ def fit_covariates(
     scaled = design / np.maximum(np.abs(design).max(axis=0), 1e-300)
     if np.linalg.matrix_rank(scaled) < design.shape[1]:
         raise InputError("regression: the terms repeat one another or do not vary; leave one out.")
+    from statsmodels.regression.linear_model import OLS  # slow to import
+
     fitted = OLS(known[outcome].to_numpy(dtype=float), design).fit()
     ends = fitted.conf_int(alpha=1.0 - level)
     count = known[animal].nunique() if animal in known else pd.NA

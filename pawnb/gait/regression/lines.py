@@ -14,7 +14,6 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 from scipy.stats import t as student
-from statsmodels.regression.linear_model import OLS
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
@@ -245,6 +244,8 @@ def fit_within_animals(
             f"{'varies' if squares else 'does not vary'} in them; expected more points than "
             "animals, and at least one animal with different x."
         )
+    from statsmodels.regression.linear_model import OLS  # slow to import
+
     fitted = OLS(y, np.column_stack((x, np.eye(len(who))[codes]))).fit()
     low, high = (float(v) for v in fitted.conf_int(alpha=1.0 - level)[0])
     b = float(fitted.params[0])
@@ -338,6 +339,8 @@ def _least_squares(
     corrected: bool,
 ) -> Line:
     """Fit by least squares; x and y are logarithms already for a power law."""
+    from statsmodels.regression.linear_model import OLS  # slow to import
+
     fitted = OLS(y, np.column_stack((np.ones(len(x)), x))).fit()
     (a_low, a_high), (b_low, b_high) = fitted.conf_int(alpha=1.0 - level)
     a, b = (float(v) for v in fitted.params)

@@ -22,7 +22,7 @@ def export_film(
     tracks: Tracks,
     path: str | Path,
     *,
-    frames: tuple[int, int] | None = None,
+    frames: tuple[int, int] | range | None = None,
     views: Sequence[str] | None = None,
     play_fps: float = 25.0,
     width: int = 1280,
@@ -39,8 +39,8 @@ def export_film(
         Its tracks.
     path : str or Path
         The film, ``.mp4``; written whole or not at all.
-    frames : tuple of int, optional
-        First frame, and one past the last; default all that were tracked.
+    frames : tuple of int or range, optional
+        First frame, and one past the last, or ``range(100, 160)``; default all that were tracked.
     views : sequence of str, optional
         Which views, in which order; default all.
     play_fps : float
@@ -73,7 +73,7 @@ def export_film(
     if not 0.1 <= play_fps <= 1000:
         raise InputError(f"play_fps is {play_fps}; expected 0.1 to 1000 frames a second.")
     marks = Marks.of_tracks(tracks)
-    first, stop = frames or (int(marks.frames[0]), int(marks.frames[-1]) + 1)
+    first, stop = _ends(frames) or (int(marks.frames[0]), int(marks.frames[-1]) + 1)
     with open_views(trial) as shown:
         stop = min(stop, shown.n_frames) if frames is None else stop
         if not shown.first_frame <= first < stop <= shown.n_frames:
@@ -91,3 +91,19 @@ def export_film(
                 if progress is not None:
                     progress(frame + 1 - first, stop - first)
     return path
+
+
+def _ends(frames: tuple[int, int] | range | None) -> tuple[int, int] | None:
+    """Return first frame and one past the last; None for all."""
+    if frames is None:
+        return None
+    if isinstance(frames, range):
+        given: Sequence[int] = (frames.start, frames.stop) if frames.step == 1 else tuple(frames)
+    else:
+        given = tuple(frames)
+    if len(given) != 2:
+        raise InputError(
+            f"frames are {len(given)} numbers; a film shows frames that follow one another: give "
+            "(first, one past the last), or range(first, one past the last)."
+        )
+    return given[0], given[1]

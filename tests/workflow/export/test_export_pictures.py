@@ -95,6 +95,19 @@ def test_a_sheet_marks_the_point_and_only_it(rendered_trial, tracks, tmp_path):
     assert extents[1] > extents[0] + 2  # placed by hand: a second ring
 
 
+def test_a_film_takes_a_range_as_the_sheet_and_the_page_do(rendered_trial, tracks, tmp_path):
+    path = pawnb.export_film(
+        rendered_trial,
+        tracks,
+        tmp_path / "film.mp4",
+        frames=range(10, 12),
+        views=["cam1"],
+        width=80,
+    )
+    with av.open(str(path)) as film:
+        assert len(list(film.decode(video=0))) == 2
+
+
 def test_a_sheet_takes_evenly_spaced_frames_by_itself(rendered_trial, tracks, tmp_path):
     path = pawnb.export_sheet(rendered_trial, tracks, tmp_path / "s.png", width=160)
     assert cv2.imread(str(path)).shape[1] > 3 * 160
@@ -106,6 +119,9 @@ def test_faults_are_said_in_a_sentence_and_leave_no_file(rendered_trial, tracks,
         pawnb.export_film(rendered_trial, tracks, tmp_path / "a.avi")
     with pytest.raises(InputError, match=r"^frames are 30 to 41; expected a part of 0 to 40, the"):
         pawnb.export_film(rendered_trial, tracks, film, frames=(30, 41))
+    for several in ((1, 2, 3), range(0, 40, 5)):
+        with pytest.raises(InputError, match=r"^frames are [38] numbers; a film shows frames that"):
+            pawnb.export_film(rendered_trial, tracks, film, frames=several)
     with pytest.raises(InputError, match=r"^no view 'cam9'.*; there are cam1, cam2, cam3, cam4\.$"):
         pawnb.export_film(rendered_trial, tracks, film, views=["cam9"])
     with pytest.raises(InputError, match=r"^play_fps is 0; expected 0\.1 to 1000 frames a second"):

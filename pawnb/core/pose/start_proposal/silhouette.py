@@ -11,8 +11,6 @@ from typing import Protocol
 
 import cv2
 import numpy as np
-from skimage.graph import MCP_Geometric
-from skimage.morphology import skeletonize
 
 from pawnb.arrays import AnyArray, BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
@@ -149,6 +147,8 @@ def find_silhouette(image: ByteArray, background: BackgroundModel) -> Silhouette
     core = _core_of(_sharp_depth(part, depth, signal))
     if not core.any():
         return None
+    from skimage.morphology import skeletonize  # slow to import
+
     thin: Callable[[np.ndarray], np.ndarray] = skeletonize  # it comes without types
     lines = thin(part) & ~core
     ridge = cv2.distanceTransform((~(lines | core)).astype(np.uint8), cv2.DIST_L2, 5)
@@ -180,6 +180,8 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
     middle = outline.depth / np.maximum(cv2.dilate(outline.depth, window), 1e-6)
     cost = np.where(outline.mask, 1.0 + p.edge_cost * (1.0 - middle) ** 2, p.gap_cost)
     cost[outline.core] = p.body_cost  # the way may begin anywhere on the body
+    from skimage.graph import MCP_Geometric  # slow to import
+
     walk = MCP_Geometric(cost)
     far, _ = walk.find_costs(np.argwhere(outline.core))
     open_ = outline.mask & ~outline.core & np.isfinite(far)
