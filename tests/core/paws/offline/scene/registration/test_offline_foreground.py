@@ -90,7 +90,7 @@ def test_a_larger_animal_far_away_is_not_taken_for_one_that_is_hidden(film_anima
     own = np.stack([35 + 150 * t, np.full(N, 30.0)], axis=-1)
     seen = np.where((np.arange(N) < 30)[:, None], own, 1000.0)
     upper = film_animal(seen, np.zeros(N), size=(220, 210), axes=(16, 8))
-    below = film_animal(own + [0, 130], np.zeros(N), size=(220, 210), axes=(34, 20))
+    below = film_animal(own + np.array([0, 130]), np.zeros(N), size=(220, 210), axes=(34, 20))
     pictures = np.concatenate([upper[:, :70], below[:, 70:]], axis=1)
     camera = find_camera_motion(pictures)
     clicked = {10: own[10] + np.outer([-0.7, 0.7], [16.0, 0.0])}
@@ -102,7 +102,8 @@ def test_a_larger_animal_far_away_is_not_taken_for_one_that_is_hidden(film_anima
 def test_each_click_finds_the_blob_about_it(film_animal):
     """It is carried on by 150 px from one frame to the next, in the middle between two clicks."""
     rows = np.arange(N)
-    centre = np.stack([np.where(rows < 18, 40 + 4 * rows, 190 + 4 * rows), np.full(N, 60.0)], axis=-1)
+    along = np.where(rows < 18, 40 + 4 * rows, 190 + 4 * rows)
+    centre = np.stack([along, np.full(N, 60.0)], axis=-1)
     angle = np.zeros(N)
     pictures = film_animal(centre, angle, size=(390, 120), axes=AXES)
     both = clicks(centre, angle, 5) | clicks(centre, angle, 30)
