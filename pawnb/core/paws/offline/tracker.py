@@ -53,7 +53,8 @@ def track_offline(
     one place. Where neither applies,
     or tracks failed (on the real clips on which colour does not tell paws 7 to 37 % of labels are
     expected to be right, on rendered scenes 83 % and more), points are tracked by
-    :func:`.learnt_run.track_learnt`; as well where clicks were added since its last run.
+    :func:`.learnt_run.track_learnt`; as well where clicks were added since its last run. Where one
+    point failed but not all did, what is learnt takes over only if it is clearly surer.
 
     Parameters
     ----------
@@ -95,12 +96,20 @@ def track_offline(
             best = quality, tracks, shared
         if best[0].expected_right >= enough:
             break
-    if best is not None and best[0].verdict != "failed":
-        # which way is the better was measured with what the smoothing alone states
-        return with_hidden_sd(best[1], task.frames)
-    tracks = track_learnt(views, start, task, looked=looked, stacks=stacks, again=again)
-    tracks.attrs["evidence"] = BY_LEARNT
-    return tracks
+    kept = best if best is not None and best[0].verdict != "failed" else None
+    if kept is None or kept[0].has_failed_point:
+        tracks = track_learnt(views, start, task, looked=looked, stacks=stacks, again=again)
+        tracks.attrs["evidence"] = BY_LEARNT
+        complete = tracks.sizes["time"] >= n
+        if kept is None or (complete and _is_surer(assess(tracks, clicks=start), kept[0])):
+            return tracks
+    # which way is the better was measured with what the smoothing alone states
+    return with_hidden_sd(kept[1], task.frames)
+
+
+def _is_surer(quality: Quality, than: Quality) -> bool:
+    """Tell whether clearly more labels are expected to be right."""
+    return quality.expected_right > than.expected_right + RUN.colour_surer
 
 
 def _is_better(quality: Quality, than: Quality, *, shared: float) -> bool:
@@ -108,7 +117,7 @@ def _is_better(quality: Quality, than: Quality, *, shared: float) -> bool:
 
     Those by colour are known to be wrong where two names ``shared`` a place in part of them.
     """
-    surer = quality.expected_right > than.expected_right + RUN.colour_surer
+    surer = _is_surer(quality, than)
     return surer and (quality.verdict == "good" or than.verdict == "failed" or shared > 0.0)
 
 

@@ -13,7 +13,7 @@ body, two names on one place.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -93,6 +93,11 @@ class Quality:
     points: tuple[PointQuality, ...]
     gaps: tuple[TimeGap, ...] = field(default=())
 
+    @property
+    def has_failed_point(self) -> bool:
+        """Whether any point failed, however the others are."""
+        return any(point.verdict == "failed" for point in self.points)
+
     def document(self) -> dict[str, Any]:
         """Return what ``quality.json`` holds: shares rounded to 0.1 %."""
         shares = ("expected_right", "measured", "bridged", "missing")
@@ -163,11 +168,12 @@ def assess(
         for name in ("expected_right", "measured", "bridged", "missing")
     }
     verdict = _verdict(means["expected_right"], limits)
-    if verdict == "good" and any(point.verdict == "failed" for point in points):
-        verdict = "look"
-    return Quality(
+    quality = Quality(
         verdict, reasons=_told(points), points=points, gaps=find_time_gaps(tracks), **means
     )
+    if verdict == "good" and quality.has_failed_point:
+        return replace(quality, verdict="look")
+    return quality
 
 
 def label_chances(

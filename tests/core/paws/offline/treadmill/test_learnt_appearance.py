@@ -203,10 +203,37 @@ def test_the_better_tracks_are_kept(monkeypatch, frames, colour, strides_, share
     assert tracks.attrs["evidence"] == taken
 
 
+@pytest.mark.parametrize(
+    ("failed_point", "learnt", "frames_learnt", "taken"),
+    [
+        (True, ("look", 0.76), 100, "learnt"),
+        (True, ("look", 0.53), 100, "strides"),
+        (True, ("good", 0.95), 40, "strides"),  # stopped: a part does not decide over the whole
+        (False, ("good", 0.95), 100, "strides"),
+    ],
+)
+def test_where_a_point_failed_the_surer_tracks_are_kept(
+    monkeypatch, failed_point, learnt, frames_learnt, taken
+):
+    """Verdicts are given here."""
+    said = {"strides": Verdict("look", 0.51, failed_point), "learnt": Verdict(*learnt)}
+    monkeypatch.setattr(tracker, "_ways", lambda *a, **k: ["strides"])
+    monkeypatch.setattr(tracker, "track_by_strides", lambda *a, **k: SimpleTracks(100))
+    monkeypatch.setattr(tracker, "track_learnt", lambda *a, **k: SimpleTracks(frames_learnt))
+    monkeypatch.setattr(tracker, "add_likeness", lambda views, tracks, start: tracks)
+    monkeypatch.setattr(tracker, "assess", lambda t, **k: said[t.attrs["evidence"]])
+    monkeypatch.setattr(tracker, "share_on_one_place", lambda t, _: 0.0)
+    tracks = track_offline(
+        None, None, TrackingRequest(frames=(0, 100), fps=1.0), settings=OfflineSettings()
+    )
+    assert tracks.attrs["evidence"] == taken
+
+
 @dataclasses.dataclass
 class Verdict:
     verdict: str
     expected_right: float
+    has_failed_point: bool = False
 
 
 class SimpleTracks:

@@ -81,10 +81,7 @@ def find_body_frame(
     n = len(pictures)
     camera = find_camera_motion(pictures)
     blob = find_blob(pictures, camera, clicks=clicks, extent=extent)
-    first = min(clicks)
-    way = follow_animal(
-        pictures, camera, begin=first, centre=clicks[first].mean(axis=0), extent=extent
-    )
+    way = follow_animal(pictures, camera, clicks=clicks, extent=extent)
     tried = {
         "stays": (np.zeros((n, 2)), np.zeros(n)), "follows": (way, np.zeros(n)), **_moving(blob),
     }  # fmt: skip

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import cv2
 import numpy as np
 
@@ -9,14 +11,19 @@ from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.paws.offline.scene.parameters import CAMERA
 from pawnb.core.paws.offline.scene.registration.camera_motion import CameraMotion
 
+_LEAST_PX = 1e-6
+"""Guard: ways that both arrive count alike."""
+
 
 def follow_animal(
-    pictures: ByteArray, camera: CameraMotion, *, begin: int, centre: FloatArray, extent: float
+    pictures: ByteArray, camera: CameraMotion, *, clicks: Mapping[int, FloatArray], extent: float
 ) -> FloatArray:
-    """Follow the animal from a clicked frame both ways, by the median of what moves about it.
+    """Follow the animal from the first clicked frame both ways, by the median of what moves.
 
     Legs swing and stand about the median; the median is the body's. What moves with it,
     such as its shadow or a person who leads it, does little harm; in a blob of foreground it does.
+    Where a later clicked frame has the animal elsewhere it was lost on the way: that is followed
+    backwards from there as well, and from there on anew.
 
     Parameters
     ----------
@@ -24,10 +31,8 @@ def follow_animal(
         Small grey pictures.
     camera : CameraMotion
         Their motion.
-    begin : int
-        The clicked frame.
-    centre : ndarray, shape (2,)
-        The middle of its clicks, px of the small pictures.
+    clicks : mapping
+        Row to clicked places (k, 2), px of the small pictures.
     extent : float
         Size of the animal in them, px.
 
@@ -36,19 +41,58 @@ def follow_animal(
     ndarray, shape (n, 2)
         A place that goes with the body, px of the small pictures.
     """
-    n = len(pictures)
-    way = np.empty((n, 2))
-    way[begin] = centre
-    for end in (n - 1, 0):
-        step = 1 if end > begin else -1
-        t = begin
-        while t != end:
-            to = t + step * min(CAMERA.follow_rows, abs(end - t))
-            moved = _displacement(pictures, camera, t, to, way[t], extent)
-            share = np.arange(1, abs(to - t) + 1) / abs(to - t)
-            way[np.arange(t + step, to + step, step)] = way[t] + share[:, None] * moved
-            t = to
+
+    def follow(begin: int, end: int, centre: FloatArray) -> FloatArray:
+        return _follow(pictures, camera, begin=begin, end=end, centre=centre, extent=extent)
+
+    middles = {row: clicks[row].mean(axis=0) for row in sorted(clicks)}
+    row, *later = middles
+    way = np.empty((len(pictures), 2))
+    way[: row + 1] = follow(row, 0, middles[row])[::-1]
+    way[row:] = follow(row, len(pictures) - 1, middles[row])
+    for to in later:
+        if np.linalg.norm(way[to] - middles[to]) > CAMERA.follow_lost * extent:
+            back = follow(to, row, middles[to])[::-1]
+            way[row : to + 1] = between_two_ways(way[row : to + 1], back)
+            way[to:] = follow(to, len(pictures) - 1, middles[to])
+        row = to
     return way
+
+
+def _follow(
+    pictures: ByteArray,
+    camera: CameraMotion,
+    *,
+    begin: int,
+    end: int,
+    centre: FloatArray,
+    extent: float,
+) -> FloatArray:
+    """Follow the animal from one frame to another; places in this order, both included."""
+    way = [centre]
+    t, step = begin, 1 if end > begin else -1
+    while t != end:
+        to = t + step * min(CAMERA.follow_rows, abs(end - t))
+        moved = _displacement(pictures, camera, t, to, way[-1], extent)
+        share = np.arange(1, abs(to - t) + 1) / abs(to - t)
+        way += list(way[-1] + share[:, None] * moved)
+        t = to
+    return np.array(way)
+
+
+def between_two_ways(there: FloatArray, back: FloatArray) -> FloatArray:
+    """Return a way (n, 2) from where one begins to where the other ends, between the two.
+
+    What each is off at the other's certain end is taken off along it; the one that is off by less
+    counts more.
+    """
+    share = np.linspace(0.0, 1.0, len(there))[:, None]
+    off_there, off_back = back[-1] - there[-1], there[0] - back[0]
+    weight_there = (1.0 - share) * (np.linalg.norm(off_back) + _LEAST_PX)
+    weight_back = share * (np.linalg.norm(off_there) + _LEAST_PX)
+    along_there, along_back = there + share * off_there, back + (1.0 - share) * off_back
+    both = weight_there * along_there + weight_back * along_back
+    return np.asarray(both / (weight_there + weight_back))
 
 
 def _displacement(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -39,7 +39,7 @@ class Blob:
 def find_blob(
     pictures: ByteArray, camera: CameraMotion, *, clicks: Mapping[int, FloatArray], extent: float
 ) -> Blob:
-    """Follow the foreground blob that holds the clicks, both ways from the first of them.
+    """Follow the foreground blob that holds the clicks, both ways from the nearest of them.
 
     Parameters
     ----------
@@ -67,15 +67,27 @@ def find_blob(
     )
     centre = np.full((n, 2), np.nan)
     angle, elongation = np.full(n, np.nan), np.full(n, np.nan)
-    begin = clicks[first].mean(axis=0)
-    for rows in (range(first, n), range(first - 1, -1, -1)):
-        last = begin if rows.step > 0 or np.isnan(centre[first, 0]) else centre[first]
+    for row, rows in _both_ways(sorted(clicks), n):
+        clicked = rows.step > 0 or np.isnan(centre[row, 0])
+        last = clicks[row].mean(axis=0) if clicked else centre[row]
+        unseen = 0
         for t in rows:
-            found = _blob_near(apart[t] > threshold, kernel, last, extent)
+            leap = CAMERA.blob_leap * extent * float(np.sqrt(1 + unseen))
+            found = _blob_near(apart[t] > threshold, kernel, last, extent=extent, leap=leap)
+            unseen += 1
             if found is not None:
                 centre[t], angle[t], elongation[t] = found
-                last = centre[t]
+                last, unseen = centre[t], 0
     return Blob(centre, angle, elongation, np.minimum(apart / threshold, CAMERA.blob_most))
+
+
+def _both_ways(clicked: Sequence[int], n: int) -> Iterator[tuple[int, range]]:
+    """Yield clicked rows, and those to which they are the nearest: from each on, then before it."""
+    for i, row in enumerate(clicked):
+        begin = (clicked[i - 1] + row) // 2 if i else -1
+        end = (row + clicked[i + 1]) // 2 if i + 1 < len(clicked) else n - 1
+        yield row, range(row, end + 1)
+        yield row, range(row - 1, begin, -1)
 
 
 def _differences(pictures: ByteArray, camera: CameraMotion) -> Iterator[np.ndarray]:
@@ -121,9 +133,23 @@ def _threshold(apart: np.ndarray, clicked: np.ndarray, row: int, extent: float) 
 
 
 def _blob_near(
-    mask: np.ndarray, kernel: np.ndarray, last: np.ndarray, extent: float
+    mask: np.ndarray, kernel: np.ndarray, last: np.ndarray, *, extent: float, leap: float
 ) -> tuple[np.ndarray, float, float] | None:
-    """Return centre, angle and elongation of the large blob near a place."""
+    """Return centre, angle and elongation of the large blob near a place; None beyond a leap.
+
+    Parameters
+    ----------
+    mask : ndarray of bool, shape (H, W)
+        The foreground.
+    kernel : ndarray
+        What closes and opens it.
+    last : ndarray, shape (2,)
+        Where the animal was last, px.
+    extent : float
+        Its size, px.
+    leap : float
+        How far it may have got, px.
+    """
     closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
     opened = cv2.morphologyEx(closed, cv2.MORPH_OPEN, kernel)  # takes tails and limbs away
     n, labels, stats, centres = cv2.connectedComponentsWithStats(opened)
@@ -131,6 +157,8 @@ def _blob_near(
         return None
     away = np.linalg.norm(centres[1:] - last, axis=1) / (CAMERA.blob_reach * extent)
     best = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA] / (1 + away**2)))
+    if np.linalg.norm(centres[best] - last) > leap:
+        return None  # another one that is larger, where the animal itself is not seen
     moments = cv2.moments((labels == best).astype(np.uint8), binaryImage=True)
     across, along = 2 * moments["mu11"], moments["mu20"] - moments["mu02"]
     size = moments["mu20"] + moments["mu02"] + 1e-9

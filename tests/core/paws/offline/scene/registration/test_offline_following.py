@@ -5,16 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.paws.offline.scene.registration.camera_motion import find_camera_motion
-from pawnb.core.paws.offline.scene.registration.following import follow_animal
+from pawnb.core.paws.offline.scene.registration.following import (
+    between_two_ways,
+    follow_animal,
+)
 
 N, EXTENT = 40, 50.0
 T = np.arange(N)
 
 
-def follow(pictures, centre, begin):
-    return follow_animal(
-        pictures, find_camera_motion(pictures), begin=begin, centre=centre[begin], extent=EXTENT
-    )
+def follow(pictures, centre, *clicked):
+    clicks = {row: centre[row] + np.array([[-20.0, 0.0], [20.0, 0.0]]) for row in clicked}
+    return follow_animal(pictures, find_camera_motion(pictures), clicks=clicks, extent=EXTENT)
 
 
 def way(speed):
@@ -61,3 +63,34 @@ def test_before_a_panning_camera_what_stays_in_the_scene_goes_with_it(film_anima
     centre = np.array([150.0, 60.0]) + camera
     pictures = film_animal(centre, np.zeros(N), camera=camera, size=(220, 120))
     np.testing.assert_allclose(follow(pictures, centre, 20), centre, atol=0.05 * EXTENT)
+
+
+def test_where_it_was_lost_a_later_click_finds_it_again(film_animal):
+    """It goes 50 px while nothing of it is seen, in frames 14 to 23."""
+    hidden = slice(14, 24)
+    centre = way(5.0)
+    pictures = film_animal(centre, np.zeros(N), size=(320, 120))
+    pictures[hidden] = film_animal(centre + 1000.0, np.zeros(N), size=(320, 120))[hidden]
+    lost = follow(pictures, centre, 5)
+    assert np.abs(lost[24:] - centre[24:]).max() > 0.8 * EXTENT
+    found = follow(pictures, centre, 5, 35)
+    np.testing.assert_allclose(found[[5, 35]], centre[[5, 35]])
+    np.testing.assert_allclose(found[35:], centre[35:], atol=0.1 * EXTENT)
+    np.testing.assert_allclose(found[:5], centre[:5], atol=0.1 * EXTENT)
+    np.testing.assert_allclose(found, centre, atol=0.5 * EXTENT)
+
+
+def test_clicks_where_it_was_not_lost_change_nothing(film_animal):
+    """Those of other points of it lie elsewhere on it."""
+    centre = way(2.0)
+    pictures = film_animal(centre, np.zeros(N), size=(200, 120))
+    other = {30: centre[30] + np.array([[18.0, 5.0]]), 20: centre[20][None]}
+    both = follow_animal(pictures, find_camera_motion(pictures), clicks=other, extent=EXTENT)
+    np.testing.assert_array_equal(both, follow(pictures, centre, 20))
+
+
+def test_of_two_ways_the_one_that_arrives_counts_more():
+    """There stops half way; back arrives at the beginning."""
+    true = np.stack([np.arange(11.0), np.zeros(11)], axis=-1)
+    there = np.minimum(true, 5.0)
+    np.testing.assert_allclose(between_two_ways(there, true), true, atol=1e-4)

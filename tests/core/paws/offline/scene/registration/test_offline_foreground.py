@@ -84,6 +84,33 @@ def test_of_two_animals_the_one_that_holds_the_clicks_is_followed(film_animal):
         np.testing.assert_allclose(found.centre, centre, atol=2.5)
 
 
+def test_a_larger_animal_far_away_is_not_taken_for_one_that_is_hidden(film_animal):
+    """It is hidden from frame 30 on; the other one goes 130 px below it all the time."""
+    t = np.arange(N) / (N - 1)
+    own = np.stack([35 + 150 * t, np.full(N, 30.0)], axis=-1)
+    seen = np.where((np.arange(N) < 30)[:, None], own, 1000.0)
+    upper = film_animal(seen, np.zeros(N), size=(220, 210), axes=(16, 8))
+    below = film_animal(own + np.array([0, 130]), np.zeros(N), size=(220, 210), axes=(34, 20))
+    pictures = np.concatenate([upper[:, :70], below[:, 70:]], axis=1)
+    camera = find_camera_motion(pictures)
+    clicked = {10: own[10] + np.outer([-0.7, 0.7], [16.0, 0.0])}
+    found = find_blob(pictures, camera, clicks=clicked, extent=30.0)
+    np.testing.assert_allclose(found.centre[:30], own[:30], atol=2.5)
+    assert np.isnan(found.centre[30:]).all()
+
+
+def test_each_click_finds_the_blob_about_it(film_animal):
+    """It is carried on by 150 px from one frame to the next, in the middle between two clicks."""
+    rows = np.arange(N)
+    along = np.where(rows < 18, 40 + 4 * rows, 190 + 4 * rows)
+    centre = np.stack([along, np.full(N, 60.0)], axis=-1)
+    angle = np.zeros(N)
+    pictures = film_animal(centre, angle, size=(390, 120), axes=AXES)
+    both = clicks(centre, angle, 5) | clicks(centre, angle, 30)
+    found = find_blob(pictures, find_camera_motion(pictures), clicks=both, extent=EXTENT)
+    np.testing.assert_allclose(found.centre, centre, atol=2.5)
+
+
 def test_where_nothing_differs_there_is_no_blob():
     pictures = np.full((5, 60, 80), 90, np.uint8)
     found = find_blob(
