@@ -224,7 +224,7 @@ def c3d(folder: Path) -> tuple[str, str]:
     return read, off(found, true)
 
 
-# --- formats that are read only -------------------------------------------------------------------
+# --- LocoMouse --------------------------------------------------------------------------------------
 
 
 def locomouse(folder: Path) -> tuple[str, str]:
@@ -240,7 +240,10 @@ def locomouse(folder: Path) -> tuple[str, str]:
     )
     tracks = read_any_tracks(folder / "clip.mat", fps=FPS)
     bottom = tracks["image_position"].sel(view="bottom", keypoint=POINTS).isel(individual=0)
-    return off(bottom.transpose("time", "keypoint", "image_space").to_numpy(), true), "-"
+    read = off(bottom.transpose("time", "keypoint", "image_space").to_numpy(), true)
+    (ours,) = write_any_tracks(tracks, folder / "ours.mat")
+    again = scipy.io.loadmat(ours)["final_tracks"][:2, :4].transpose(2, 1, 0) - 1.0
+    return read, off(again[:, [("FR", "HR", "FL", "HL").index(p) for p in POINTS]], true)
 
 
 ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [

@@ -69,6 +69,7 @@ _HOME = {
     "write_dltdv_points3d": "pawnb.io.dltdv_out",
     "write_lenses": "pawnb.io.cameras_out",
     "write_lightning_pose": "pawnb.io.deeplabcut_out",
+    "write_locomouse": "pawnb.io.locomouse_out",
     "write_movement": "pawnb.io.movement",
     "write_nwb": "pawnb.io.nwb",
     "write_opencv_cameras": "pawnb.io.cameras_out",

@@ -17,6 +17,7 @@ from pawnb.io.deeplabcut_out import write_collected, write_deeplabcut, write_lig
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
 from pawnb.io.dltdv_out import write_dltdv_points, write_dltdv_points3d
 from pawnb.io.locomouse import read_locomouse
+from pawnb.io.locomouse_out import write_locomouse
 from pawnb.io.movement import write_movement
 from pawnb.io.nwb import read_nwb, write_nwb
 from pawnb.io.sleap import read_sleap
@@ -166,7 +167,7 @@ TABLE: tuple[Format, ...] = (
     ),
     Format(
         name="locomouse", title="LocoMouse .mat", endings=(".mat",), holds="views",
-        read=read_locomouse,
+        read=read_locomouse, write=write_locomouse,
     ),
     Format(
         name="authors2019", title="csv of the 2019 authors", endings=(".csv",), holds="views",

@@ -15,6 +15,7 @@ import pandas as pd
 import pytest
 import xarray as xr
 from peer_tracks import FPS, LOST, POINTS, N, largest_error, places, true_uv
+from scipy.io import loadmat
 
 from pawnb import load_tracks
 from pawnb.errors import InputError
@@ -286,6 +287,32 @@ def test_locomouse_holds_paws_in_two_views(real_data):
             known = np.isfinite(own.to_numpy()[:, 0])
             np.testing.assert_array_equal(own.to_numpy()[known, 0], expected[known])
             assert known.sum() > 0.8 * np.isfinite(expected).sum()
+
+
+def test_locomouse_both_ways(real_data, tmp_path):
+    theirs = next(real_data("mouse-locomouse").glob("*.mat"))
+    tracks = load_tracks(theirs, fps=400.0)
+    (path,) = write_any_tracks(tracks, tmp_path / "clip.mat")
+    assert recognise_format(path) == "locomouse"
+    for name in ("image_position", "image_origin"):
+        xr.testing.assert_equal(load_tracks(path, fps=400.0)[name], tracks[name])
+    # MATLAB's own arrays, as scipy reads them; x of a point that no view has is nobody's
+    before, after = (loadmat(p, variable_names=["final_tracks"]) for p in (theirs, path))
+    old, new = before["final_tracks"], after["final_tracks"]
+    lost = np.isnan(old).any(axis=0)
+    np.testing.assert_array_equal(new[:, ~lost], old[:, ~lost])
+    write_any_tracks(tracks, tmp_path / "again.mat")
+    assert (tmp_path / "again.mat").read_bytes() == path.read_bytes()
+    apart = tracks.copy(deep=True)
+    apart["image_position"].loc[{"view": "side", "image_space": "u"}] += 2.0
+    with pytest.raises(InputError, match="share x, and here they are up to 2 px apart"):
+        write_any_tracks(apart, tmp_path / "b.mat")
+    called = tracks.assign_coords(view=["bottom", "left"])
+    with pytest.raises(InputError, match="has the views bottom and side, and these tracks have"):
+        write_any_tracks(called, tmp_path / "b.mat")
+    points = ["ear" if p == "snout" else str(p) for p in tracks["keypoint"].to_numpy()]
+    with pytest.raises(InputError, match="LocoMouse has no point 'ear'"):
+        write_any_tracks(tracks.assign_coords(keypoint=points), tmp_path / "b.mat")
 
 
 def test_c3d_both_ways(peers, tmp_path):

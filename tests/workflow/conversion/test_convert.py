@@ -43,8 +43,8 @@ def test_points_in_space_to_table(tmp_path):
     assert table[["x", "y", "z"]].to_numpy().tolist() == [[1, 2, 3], [4, 5, 6.5]]
     with pytest.raises(InputError, match=r"no points in pictures; write points3d\.csv"):
         convert_tracks(source, tmp_path / "tracks.csv", fps=10.0)
-    with pytest.raises(InputError, match=r"tracks\.mat: not a format that is written"):
-        convert_tracks(source, tmp_path / "tracks.mat", fps=10.0)
+    with pytest.raises(InputError, match=r"tracks\.xyz: not a format that is written"):
+        convert_tracks(source, tmp_path / "tracks.xyz", fps=10.0)
 
 
 @pytest.mark.parametrize(
@@ -58,7 +58,11 @@ def test_points_in_space_to_table(tmp_path):
         ("clip.nc", "deeplabcut", r"^clip\.nc: DeepLabCut is written into \.csv or \.h5"),
         ("clip_xypts.csv", "anipose", r"^clip_xypts\.csv is what a file of DLTdv xypts is called"),
         ("CollectedData_me.csv", "deeplabcut", "is what a file of DeepLabCut CollectedData is cal"),
-        ("clip.csv", "locomouse", r"^LocoMouse \.mat is read but not written; expected --to and"),
+        (
+            "clip.csv",
+            "authors2019",
+            r"^csv of the 2019 authors is read but not written; expected",
+        ),
         ("clip.csv", "deeplabcat", r"^unknown format 'deeplabcat' \(did you mean 'deeplabcut'"),
         ("clip.h5", None, r"^clip\.h5: .* \.h5 may be of deeplabcut, collected, sleap: say which"),
         ("clip", None, r"^clip: not a format that is written by that name; expected --to and"),
