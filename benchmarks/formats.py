@@ -224,7 +224,7 @@ def c3d(folder: Path) -> tuple[str, str]:
     return read, off(found, true)
 
 
-# --- LocoMouse --------------------------------------------------------------------------------------
+# --- LocoMouse ------------------------------------------------------------------------------------
 
 
 def locomouse(folder: Path) -> tuple[str, str]:
