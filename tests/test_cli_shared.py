@@ -74,6 +74,8 @@ def test_json_of_a_check_holds_what_the_words_say(tmp_path, capsys):
     found = json.loads(capsys.readouterr().out)
     assert found["trial"] == "t"
     assert any("none.csv" in fault for fault in found["faults"])
+    assert cli.main(["check", str(tmp_path), "-q", "--json"]) == 2
+    assert json.loads(capsys.readouterr().out) == found
 
 
 @pytest.mark.slow

@@ -53,7 +53,9 @@ def _main(words: list[str]) -> int:
     options = build_parser().parse_args(command_first(words))
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", InputWarning)
-        with contextlib.redirect_stdout(None) if options.quiet else contextlib.nullcontext():
+        # JSON was asked for by name: -q leaves the notes away, and not it
+        silent = options.quiet and not getattr(options, "json", False)
+        with contextlib.redirect_stdout(None) if silent else contextlib.nullcontext():
             status = _run(options, ["pawnb", *of_results(words)])
     for warning in caught:
         if issubclass(warning.category, QualityWarning):

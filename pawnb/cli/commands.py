@@ -134,7 +134,7 @@ def run_batch(options: argparse.Namespace, argv: list[str]) -> int:
     else:
         print(done.text())
     if (done.table["status"] == "stopped").any():
-        print("run it again to go on")
+        print("run it again to go on", file=sys.stderr if options.json else sys.stdout)
         raise KeyboardInterrupt
     if len(done.failed):
         raise InputError(done.verdict())
