@@ -233,7 +233,11 @@ def _by_evidence(
 ) -> list[Row]:
     """List the frames of tracks that were made from frame to frame."""
     evidence = collect_evidence(tracks, rig=rig, other=other, paw_px=settings.paw_px)
-    total = np.sqrt(np.sum([np.square(item.score) for item in evidence], axis=0))
+    # one after the other: all squares of a long recording at once are hundreds of megabytes
+    total = np.square(evidence[0].score)
+    for item in evidence[1:]:
+        total += np.square(item.score)
+    np.sqrt(total, out=total)
     frames = tracks["frame"].to_numpy()
     views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
     total[_placed_by_hand(tracks)] = 0.0

@@ -5,7 +5,6 @@ Pure bookkeeping on what the container says; :mod:`pawnb.core.video` lists the p
 
 from __future__ import annotations
 
-import bisect
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -114,15 +113,14 @@ class PacketIndex:
             ticks = np.sort(pts[~hidden])
             places = np.searchsorted(ticks, pts)
         if trusted or intra_only:
-            self.numbers = np.where(hidden, -1, places)
+            self.numbers = np.where(hidden, -1, places).astype(np.int32)
         elif is_cut:
             self.n_frames = max(self.n_frames - MOST_REORDERED, 0)
-        begins = self._begins(packets, places)
-        self._firsts = [first for first, _ in begins]
-        self._restarts = [packet for _, packet in begins]
-        self._first_of = {packet: first for first, packet in begins}
-        self._in_order = sorted(self._restarts)
-        self._sure = [k for k in self._in_order if k == 0 or packets[k].is_sure]
+        # arrays, as each packet of Motion JPEG is one at which decoding can begin
+        self._firsts, self._restarts = np.array(self._begins(packets, places), np.int32).T.copy()
+        self._in_order = np.sort(self._restarts)
+        is_sure = [k == 0 or packets[k].is_sure for k in self._in_order.tolist()]
+        self._sure = self._in_order[np.array(is_sure, bool)]
         self.stamps_s, self.is_variable_rate = _stamps(ticks[: self.n_frames], tick_s, rate_hz)
 
     def _begins(self, packets: Sequence[Packet], places: IntArray) -> list[tuple[int, int]]:
@@ -158,13 +156,17 @@ class PacketIndex:
             The packet to decode from and the first frame that it gives. Where the nearest is
             one from which a sound picture may fail to come, a second one from which it cannot.
         """
-        at = max(bisect.bisect_right(self._firsts, index) - 1, 0)
-        found = [(self._restarts[at], self._firsts[at])]
-        before = bisect.bisect_right(self._sure, self._restarts[at]) - 1
-        sure = self._sure[max(before, 0)]
-        if sure < self._restarts[at]:
-            found.append((sure, self._first_of[sure]))
+        at = max(_up_to(self._firsts, index) - 1, 0)
+        found = [(int(self._restarts[at]), int(self._firsts[at]))]
+        before = _up_to(self._sure, found[0][0]) - 1
+        sure = int(self._sure[max(before, 0)])
+        if sure < found[0][0]:
+            found.append((sure, self._first_of(sure)))
         return found
+
+    def _first_of(self, packet: int) -> int:
+        """Return the first exact frame of a packet at which decoding can begin."""
+        return int(self._firsts[np.flatnonzero(self._restarts == packet)[0]])
 
     def spoilt_by(self, packet: int) -> set[int]:
         """Return the packets whose pictures cannot be relied upon where one is damaged.
@@ -173,13 +175,13 @@ class PacketIndex:
         shown before the first exact one, as they may rest on what came before. Where pictures
         are counted, one that is lost shifts the numbers of all that come out later, too.
         """
-        at = bisect.bisect_right(self._in_order, packet)
-        end = self._in_order[at] if at < len(self._in_order) else self.n_packets
+        at = _up_to(self._in_order, packet)
+        end = int(self._in_order[at]) if at < len(self._in_order) else self.n_packets
         if self.numbers is None:
-            return set(range(self._in_order[at - 1], end))
+            return set(range(int(self._in_order[at - 1]), end))
         spoilt = set(range(packet, end))
         if end < self.n_packets:
-            leading = end + np.flatnonzero(self.numbers[end:] < self._first_of[end])
+            leading = end + np.flatnonzero(self.numbers[end:] < self._first_of(end))
             spoilt.update(leading.tolist())
         return spoilt
 
@@ -189,8 +191,8 @@ class PacketIndex:
 
     def is_restart(self, packet: int) -> bool:
         """Tell whether decoding can begin at a packet."""
-        at = bisect.bisect_left(self._in_order, packet)
-        return at < len(self._in_order) and self._in_order[at] == packet
+        at = _up_to(self._in_order, packet)
+        return at > 0 and int(self._in_order[at - 1]) == packet
 
     def identify(self, position: int | None, dts: int | None) -> int | None:
         """Return which packet lies at that position, or None where that is not certain."""
@@ -224,6 +226,11 @@ class PacketIndex:
             tries.append(max(tick - step, start))
             step *= 2
         return tries
+
+
+def _up_to(numbers: IntArray, number: int) -> int:
+    """Return how many of sorted numbers are not above one."""
+    return int(np.searchsorted(numbers, number, side="right"))
 
 
 def _column(packets: Sequence[Packet], field: int) -> IntArray:
