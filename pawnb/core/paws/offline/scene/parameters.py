@@ -138,6 +138,9 @@ class RegistrationParameters:
         them. Measured: where pictures move they differ from those that flow carries by 5.6, 9.3 and
         6.3 grey values (rendered mouse, horse, camel) in 5.6 ms; with a stride of 3 and refinement
         by 5.6, 9.5 and 6.1 in 22 ms, and at a quarter of the size, in 5.6 ms, by 7.2, 10.9 and 7.1.
+    body_points : float
+        Clicked frames with at least this share of the points tell where the animal is: the middle
+        of a few lies elsewhere on it. Set by hand.
     body_found : float
         Share of frames with a blob from which on it can tell the frame. Set by hand.
     body_centre_sd : float
@@ -232,6 +235,7 @@ class RegistrationParameters:
     colour_from: float = 2.0
     shrunk: float = 0.75
     flow_stride: int = 5
+    body_points: float = 0.75
     body_found: float = 0.8
     body_centre_sd: float = 1.5
     body_angle_sd: float = 2.0
