@@ -201,7 +201,8 @@ class RegistrationParameters:
         The animal's blob is no further from the last one, in extents; after frames without one
         further by the square root of their number. Set by hand, on a woman who walks past a man
         who jumps: with 1, 2, 3, 5 clicked frames, and ``follow_lost``, 53, 48, 37, 79 % right,
-        without 37, 38, 29, 72; in seven other real clips the body's frame is as before but in one run of 28.
+        without 37, 38, 29, 72; in seven other real clips the body's frame is as before but in one
+        run of 28.
     background_frames : int
         Frames whose median is the background of a camera that stands. Set by hand.
     background_around : tuple of float
