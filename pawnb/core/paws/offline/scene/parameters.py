@@ -138,6 +138,9 @@ class RegistrationParameters:
         them. Measured: where pictures move they differ from those that flow carries by 5.6, 9.3 and
         6.3 grey values (rendered mouse, horse, camel) in 5.6 ms; with a stride of 3 and refinement
         by 5.6, 9.5 and 6.1 in 22 ms, and at a quarter of the size, in 5.6 ms, by 7.2, 10.9 and 7.1.
+    body_points : float
+        Clicked frames with at least this share of the points tell where the animal is: the middle
+        of a few lies elsewhere on it. Set by hand.
     body_found : float
         Share of frames with a blob from which on it can tell the frame. Set by hand.
     body_centre_sd : float
@@ -197,8 +200,9 @@ class RegistrationParameters:
     blob_leap : float
         The animal's blob is no further from the last one, in extents; after frames without one
         further by the square root of their number. Set by hand, on a woman who walks past a man
-        who jumps: with 1, 2, 3 clicked frames, and ``follow_lost``, 53, 48, 37 % right, without
-        37, 38, 29; in seven other real clips the body's frame is as before but in one run of 28.
+        who jumps: with 1, 2, 3, 5 clicked frames, and ``follow_lost``, 53, 48, 37, 79 % right,
+        without 37, 38, 29, 72; in seven other real clips the body's frame is as before but in one
+        run of 28.
     background_frames : int
         Frames whose median is the background of a camera that stands. Set by hand.
     background_around : tuple of float
@@ -232,6 +236,7 @@ class RegistrationParameters:
     colour_from: float = 2.0
     shrunk: float = 0.75
     flow_stride: int = 5
+    body_points: float = 0.75
     body_found: float = 0.8
     body_centre_sd: float = 1.5
     body_angle_sd: float = 2.0

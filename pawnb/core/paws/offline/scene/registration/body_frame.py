@@ -80,8 +80,9 @@ def find_body_frame(
     """
     n = len(pictures)
     camera = find_camera_motion(pictures)
-    blob = find_blob(pictures, camera, clicks=clicks, extent=extent)
-    way = follow_animal(pictures, camera, clicks=clicks, extent=extent)
+    telling = _of_like_points(clicks)
+    blob = find_blob(pictures, camera, clicks=telling, extent=extent)
+    way = follow_animal(pictures, camera, clicks=telling, extent=extent)
     tried = {
         "stays": (np.zeros((n, 2)), np.zeros(n)), "follows": (way, np.zeros(n)), **_moving(blob),
     }  # fmt: skip
@@ -97,6 +98,17 @@ def find_body_frame(
     if best != "stays":
         centre, angle = _held(centre, angle, CAMERA.body_step * extent)
     return ViewBodyFrame(centre / scale, angle, best, camera.pans)
+
+
+def _of_like_points(clicks: Mapping[int, FloatArray]) -> dict[int, FloatArray]:
+    """Return the clicks of frames whose middles are about the same place of the body.
+
+    Those in which nearly all points were clicked; where the first has fewer, only that one.
+    """
+    most, first = max(map(len, clicks.values())), min(clicks)
+    fewest = max(2.0, CAMERA.body_points * most)
+    telling = {row: uv for row, uv in clicks.items() if len(uv) >= fewest}
+    return telling if first in telling else {first: clicks[first]}
 
 
 def _moving(blob: Blob) -> dict[str, tuple[np.ndarray, np.ndarray]]:

@@ -68,6 +68,20 @@ def test_while_it_rests_the_frame_is_held(film_animal):
     assert len(np.unique(found.centre[:18], axis=0)) > 12
 
 
+def test_frames_in_which_a_part_was_clicked_do_not_move_it(film_animal):
+    """Head in one, rump in the other: their middles lie an extent apart on the body."""
+    centre = np.stack([35 + 150 * T, np.full(N, 60.0)], axis=-1)
+    pictures = film_animal(centre, np.zeros(N), size=(220, 120))
+    head = {10: centre[10] + np.array([[25.0, 0.0]])}
+    rump = {30: centre[30] + np.array([[-25.0, 0.0]])}
+    of_both, of_one = (
+        find_body_frame(pictures, clicks, EXTENT, scale=1.0, parameters=SceneParameters())
+        for clicks in (head | rump, head)
+    )
+    assert of_both.kind == of_one.kind == "follows"
+    np.testing.assert_array_equal(of_both.centre, of_one.centre)
+
+
 @pytest.mark.parametrize(("speed", "kind"), [(0.0, "stays"), (2.5, "follows")])
 def test_before_a_panning_camera_the_frame_follows_the_animal_in_the_picture(
     film_animal, speed, kind
