@@ -312,7 +312,7 @@ def _unsure(tracks: Tracks, labels: Labels) -> Measure:
         with np.errstate(divide="ignore"):
             odds = offset + by_sd * np.log(size / sd)
         apart = tracks["passes_apart"].isel(individual=0).to_numpy()
-        odds += by_passes * np.clip(np.nan_to_num(apart), 0.0, QUALITY.unsure_most)
+        odds += by_passes * np.nan_to_num(apart)
         chance = np.where(np.isfinite(size / sd), expit(odds), 1.0)
         left = in_views(chance, labels)
     return Measure("what is seen before and after agrees poorly about {point}", left)
