@@ -16,7 +16,6 @@ from pawnb.core.paws.offline.learnt_run import goes_on, track_learnt
 from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.quality.assessment import Quality, assess, share_on_one_place
 from pawnb.core.paws.offline.quality.likeness import add_likeness
-from pawnb.core.paws.offline.quality.parameters import LIMITS
 from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
@@ -78,7 +77,7 @@ def track_offline(
     """
     given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
     n = task.frames[1] - task.frames[0]
-    enough = LIMITS.good if n >= RUN.colour_long else RUN.colour_poor
+    enough = RUN.colour_enough if n >= RUN.colour_long else RUN.colour_poor
     best: tuple[Quality, Tracks, float] | None = None
     ways = _ways(views, start, task, settings=settings, looked=looked)
     if stacks is not None and looked is None and goes_on(views, start, task, stacks=stacks):

@@ -21,9 +21,10 @@ import pandas as pd
 
 from pawnb.arrays import AnyArray, FloatArray, IntArray
 from pawnb.core.parameters import values_in_force
-from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits
+from pawnb.core.paws.offline.quality.labels import OF, Labels, Measure, QualityLimits
 from pawnb.core.paws.offline.quality.measures import (
     CALIBRATED,
+    heaviest,
     measure_evidence,
     measure_places,
     read_labels,
@@ -247,9 +248,10 @@ def _chances(
         evidence = [Measure("the tracker is not sure of {point}", own)]
     else:
         evidence = measure_evidence(tracks, labels, limits)
-    trust = np.prod([measure.left for measure in evidence], axis=0)
-    measures = [*evidence, *measure_places(labels, limits, trust)]
-    chance = np.prod([measure.left for measure in measures], axis=0)
+    trust = np.prod([heaviest(evidence, of, labels) for of in OF], axis=0)
+    places = measure_places(labels, limits, trust)
+    measures = [*evidence, *places]
+    chance = trust * np.prod([measure.left for measure in places], axis=0)
     # who has placed a point has seen to it
     chance = np.where(labels.origin == ORIGIN_CODE["edited"], 1.0, chance)
     return np.where(labels.known, chance, 0.0), measures

@@ -9,6 +9,7 @@ middle. A measure that is not known takes nothing away.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -16,6 +17,7 @@ from scipy.ndimage import distance_transform_edt
 from scipy.special import expit, logit
 
 from pawnb.arrays import FloatArray
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.quality.departure import departs_from_clicks
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
 from pawnb.core.paws.offline.quality.one_place import on_one_place, on_one_place_in_space
@@ -57,7 +59,9 @@ def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
     space = _in_space(tracks)
     clicked = _clicked_labels(tracks, clicks, uv.shape[2])
     apart = _clicked_apart(space, clicked)
-    return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes, space, apart, clicked)
+    kinds = tuple(Maghsoudi2019Settings().kind(str(p)) for p in tracks["keypoint"].to_numpy())
+    fps = float(tracks.attrs["fps"])
+    return Labels(uv, origin, body, fps, sizes, space, apart, clicked, kinds)
 
 
 def _in_space(tracks: Tracks) -> np.ndarray:
@@ -175,11 +179,32 @@ def measure_evidence(tracks: Tracks, labels: Labels, limits: QualityLimits) -> l
         _bridged(labels, limits),
         _not_separated(tracks, labels),
         _vague(tracks, labels, limits),
-        _passes_apart(tracks, labels),
+        _unsure(tracks, labels),
         _views_disagree(tracks, labels, limits),
         _hardly_recognised(tracks, labels),
         _looks_otherwise(tracks, labels),
     ]
+
+
+def heaviest(measures: Sequence[Measure], of: str, labels: Labels) -> FloatArray:
+    """Return what is left by those measures that are signs of one doubt: the heaviest counts.
+
+    Parameters
+    ----------
+    measures : sequence of Measure
+        What a method says of its labels.
+    of : {"place", "name"}
+        The doubt.
+    labels : Labels
+        The labels.
+
+    Returns
+    -------
+    ndarray, shape (n, V, P)
+        0 to 1.
+    """
+    own = [measure.left for measure in measures if measure.of == of]
+    return np.asarray(np.min([np.ones(labels.origin.shape), *own], axis=0))
 
 
 def falling(values: FloatArray, fall: tuple[float, float, float]) -> FloatArray:
@@ -264,15 +289,13 @@ def _not_separated(tracks: Tracks, labels: Labels) -> Measure:
         # what is bridged between doubtful places is doubtful
         left[:, :, p] = np.interp(rows, at, mean[at, p])[:, None]
     left = np.where(np.isfinite(each), each, left)
-    return Measure("other places fit {point} about as well", left)
+    return Measure("other places fit {point} about as well", left, of="name")
 
 
 def _vague(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Measure:
     left = np.ones(labels.origin.shape)
     if "sd" in tracks:
-        x = np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
-        sd = np.sqrt(np.square(tracks["sd"].isel(individual=0).to_numpy()).mean(axis=1))
-        size = usual_span(x)
+        sd, size = _sd_and_size(tracks)
         for v in range(len(labels.body_px)):
             px = sd * usual_span(labels.uv[:, v]) / size
             chance = -np.expm1(-0.5 * np.square(limits.right * labels.body_px[v] / px))
@@ -280,12 +303,26 @@ def _vague(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Measure:
     return Measure("the place of {point} is only vaguely known", left)
 
 
-def _passes_apart(tracks: Tracks, labels: Labels) -> Measure:
+def _unsure(tracks: Tracks, labels: Labels) -> Measure:
     left = np.ones(labels.origin.shape)
     if "passes_apart" in tracks:
+        sd, size = _sd_and_size(tracks)
+        # a stated deviation says how well views and frames agree, not whether all are on the paw
+        offset, by_sd, by_passes = QUALITY.unsure_weights
+        with np.errstate(divide="ignore"):
+            odds = offset + by_sd * np.log(size / sd)
         apart = tracks["passes_apart"].isel(individual=0).to_numpy()
-        left = in_views(falling(apart, QUALITY.passes_fall), labels)
-    return Measure("passes forwards and backwards disagree about {point}", left)
+        odds += by_passes * np.nan_to_num(apart)
+        chance = np.where(np.isfinite(size / sd), expit(odds), 1.0)
+        left = in_views(chance, labels)
+    return Measure("what is seen before and after agrees poorly about {point}", left)
+
+
+def _sd_and_size(tracks: Tracks) -> tuple[np.ndarray, float]:
+    """Return standard deviations (n, P) of positions along an axis, and the body's usual size."""
+    x = np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
+    sd = np.sqrt(np.square(tracks["sd"].isel(individual=0).to_numpy()).mean(axis=1))
+    return sd, usual_span(x)
 
 
 def _views_disagree(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Measure:
@@ -300,7 +337,7 @@ def _views_disagree(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Me
 def _hardly_recognised(tracks: Tracks, labels: Labels) -> Measure:
     confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
     left = np.where(labels.found, falling(1.0 - confidence, QUALITY.hardly_fall), 1.0)
-    return Measure("{point} is hardly recognised", left)
+    return Measure("{point} is hardly recognised", left, of="name")
 
 
 def _looks_otherwise(tracks: Tracks, labels: Labels) -> Measure:
@@ -322,7 +359,7 @@ def _looks_otherwise(tracks: Tracks, labels: Labels) -> Measure:
                 at = np.flatnonzero(np.isfinite(chance[:, v]))
                 left[:, v, p] = np.interp(rows, at, chance[at, v])
         left = np.where(labels.found, left, 1.0)
-    return Measure("the picture at {point} does not look like what was clicked", left)
+    return Measure("the picture at {point} does not look like what was clicked", left, of="name")
 
 
 def _share_alike(odds: np.ndarray) -> float:

@@ -12,6 +12,9 @@ from pawnb.arrays import BoolArray
 from pawnb.core.paws.offline.quality.labels import Labels, Measure, QualityLimits, in_views
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
+_OF_A_PAIR = ("front", "hind")
+"""Kinds of points of which there is one on either side of the animal."""
+
 
 def on_one_place(labels: Labels, limits: QualityLimits) -> Measure:
     """Measure how long two names lie on one place in all pictures that have both."""
@@ -23,13 +26,14 @@ def on_one_place(labels: Labels, limits: QualityLimits) -> Measure:
         beside = (away < limits.beside * labels.body_px) | ~both
         return np.asarray(beside.all(axis=1) & both.any(axis=1))
 
-    return _shared(labels, near, limits.beside_s)
+    return _shared(labels, near, lambda _p, _q: limits.beside_s)
 
 
 def on_one_place_in_space(labels: Labels, limits: QualityLimits) -> Measure:
     """Measure how long two names lie on one place in space, though no picture need show both.
 
-    A paw of the one side that is followed by cameras of the other as well has two names there.
+    A paw of the one side that is followed by cameras of the other as well has two names there. A
+    front paw and the hind paw that lands beside it come near for a moment; two of a kind do not.
     """
     body = np.nanmax(labels.clicked_apart, initial=0.0)
 
@@ -43,16 +47,24 @@ def on_one_place_in_space(labels: Labels, limits: QualityLimits) -> Measure:
             )
         )
 
-    return _shared(labels, near, limits.beside_in_space_s)
+    def shortest_s(p: int, q: int) -> float:
+        alike = labels.kinds[p] == labels.kinds[q] and labels.kinds[p] in _OF_A_PAIR
+        return limits.beside_of_a_kind_s if alike else limits.beside_in_space_s
+
+    return _shared(labels, near, shortest_s)
 
 
-def _shared(labels: Labels, near: Callable[[int, int], np.ndarray], shortest_s: float) -> Measure:
+def _shared(
+    labels: Labels,
+    near: Callable[[int, int], np.ndarray],
+    shortest_s: Callable[[int, int], float],
+) -> Measure:
     """Return what is left of labels of which two are ``near`` for longer than a time."""
     _, n_views, n_points = labels.origin.shape
     shared = np.zeros((len(labels.uv), n_points), dtype=bool)
     other = np.zeros(shared.shape, dtype=int)
-    lasting = np.ones(max(2, round(shortest_s * labels.fps) + 1))
     for p, q in combinations(range(n_points), 2):
+        lasting = np.ones(max(2, round(shortest_s(p, q) * labels.fps) + 1))
         lasts = binary_opening(near(p, q), lasting)
         shared[lasts, p] = shared[lasts, q] = True
         other[lasts, p], other[lasts, q] = q, p

@@ -55,7 +55,9 @@ class QualityParameters:
     stayed_px : float
         A label that moved less, px, was not moved. Set by hand.
     sure : float
-        Looks lower a label that is sure to this by all else as odds do. Set by hand.
+        Looks lower a label that is sure to this by all else as odds do. Measured: the likeliest
+        value for labels of nine films of three scenes by another renderer; where pictures look
+        least like the clicks up to four fifths of them are wrong in grey, and none in colour.
     alike, alike_against : float
         A likeness s adds ``alike_against + alike * s`` to the log-odds of being right. Measured:
         fitted to labels of two trackers in four real clips with marks (mouse in a wheel, mouse from
@@ -74,9 +76,15 @@ class QualityParameters:
         The same of leaps. Set by hand.
     disagree_fall : tuple of float
         The same of views that disagree, in what counts as right. Set by hand.
-    passes_fall : tuple of float
-        Standard deviations of passes apart where it begins to fall and where this is left. Set by
-        hand.
+    unsure_weights : tuple of float
+        Log-odds of being right: without any sign, for the logarithm of body sizes a standard
+        deviation, and for each of these by which passes forwards and backwards are apart. Measured:
+        fitted to 28,902 labels seen in two views or more, of nine films of three scenes by another
+        renderer and 15 rendered films (colour, grey, H.264), (-4.15, 1.92, -2.14): the area under
+        the ROC curve is 0.90; before, of four of the nine films, 0.61 to 0.73. So a real clip of
+        which 95 % of marks are right (mouse in a wheel, two views) would not have been good; these
+        are kinder by as much as it takes, chosen on it and on the films. Of labels whose deviation
+        is 0.02 body sizes with passes 1.5 apart half were right on the films, not 0.9.
     hardly_fall : tuple of float
         The same of one less the confidence. Set by hand.
     shared_left : float
@@ -118,7 +126,7 @@ class QualityParameters:
     likeness_finest: float = 0.25
     likeness_frames: int = 40
     stayed_px: float = 1.0
-    sure: float = 0.9
+    sure: float = 0.98
     alike: float = 3.9
     alike_against: float = -1.95
     alone: float = 0.75
@@ -127,7 +135,7 @@ class QualityParameters:
     beyond_fall: tuple[float, float] = (1.4, 0.1)
     leap_fall: tuple[float, float] = (1.4, 0.3)
     disagree_fall: tuple[float, float] = (3.0, 0.1)
-    passes_fall: tuple[float, float, float] = (3.0, 8.0, 0.3)
+    unsure_weights: tuple[float, float, float] = (-3.3, 2.0, -1.5)
     hardly_fall: tuple[float, float, float] = (0.7, 1.0, 0.5)
     shared_left: float = 0.5
     shared_clicked: float = 0.5

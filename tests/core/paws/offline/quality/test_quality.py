@@ -28,8 +28,8 @@ def walk(*, separation=20.0):
     phase = 2 * np.pi * (4.0 * t + [0.0, 0.5, 0.5, 0.0])
     uv = PLACES + np.stack([15 * np.sin(phase), -6 * np.fmax(np.cos(phase), 0)], axis=-1)
     tracks = make_tracks(range(N), NAMES, fps=FPS, views=["side"], space=("x", "y"))
-    tracks["sd"] = xr.full_like(tracks["position"], 1.0)
-    tracks["passes_apart"] = xr.full_like(tracks["residual"], 0.7)
+    tracks["sd"] = xr.full_like(tracks["position"], 0.3)
+    tracks["passes_apart"] = xr.full_like(tracks["residual"], 0.2)
     tracks["image_separation"] = xr.full_like(tracks["image_confidence"], separation)
     tracks["image_confidence"][:] = 0.9
     for name in ("image_origin", "origin"):
@@ -104,14 +104,42 @@ def test_paws_that_pass_each_other_are_not_doubted_for_it():
     put(tracks, uv)
     near = np.linalg.norm(uv[:, 2] - uv[:, 0], axis=-1) < 0.03 * BODY
     assert 12 <= near.sum() <= 20
-    assert min(p.expected_right for p in assess(tracks).points) > 1 - 1e-6
+    # a place that is shared would halve one label in twelve
+    assert min(p.expected_right for p in assess(tracks).points) > 0.995
+
+
+def test_labels_are_the_surer_the_more_of_them_were_right():
+    """100, 96, 87 and 52 % of 6380, 686, 513 and 130 labels of rendered films, so stated, were.
+
+    Of 24 films: of three scenes by another renderer, and pawnb's own; sd in body sizes.
+    """
+    found = []
+    for sd, apart in ((0.004, 0.2), (0.0105, 0.3), (0.0105, 1.05), (0.02, 1.5)):
+        tracks, _ = walk()
+        tracks["sd"][:] = sd * BODY
+        tracks["passes_apart"][:] = apart
+        found.append(assess(tracks).expected_right)
+    assert (np.diff(found) < -0.003).all()
+    assert found[0] > 0.99
+    assert found[-1] < 0.95
+
+
+def test_signs_of_one_doubt_are_not_counted_twice():
+    """Nothing tells it from another place, and it hardly looks like a paw: even odds, not less."""
+    tracks, _ = walk()
+    tracks["image_separation"][:, 0, 1] = 0.0
+    once = point(assess(tracks), "HR").expected_right
+    tracks["image_confidence"][{"keypoint": 1}] = 0.1
+    assert point(assess(tracks), "HR").expected_right == pytest.approx(once)
+    assert once == pytest.approx(0.5, abs=0.01)
 
 
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [
         # passes 8 standard deviations apart in every frame; a picture 16 % of the body away
-        ("passes_apart", 8.0, "passes forwards and backwards disagree about HR in 100 % of frames"),
+        ("passes_apart", 8.0, "what is seen before and after agrees poorly about HR in 100 % of "
+         "frames"),
         ("image_residual", 0.16 * BODY, "the picture has HR elsewhere than the other views in "
          "100 % of frames"),
         ("image_confidence", 0.0, "HR is hardly recognised in 100 % of frames"),
@@ -173,7 +201,7 @@ def test_limits_do_not_depend_on_the_size_of_the_picture():
     put(tracks, uv)
     small = assess(tracks)
     put(tracks, 10 * uv)
-    tracks["sd"][:] = 10.0
+    tracks["sd"][:] = 3.0
     tracks.attrs["pictures_px"] = json.dumps({"side": [2400, 1400]})
     large = assess(tracks)
     assert [p.expected_right for p in small.points] == pytest.approx(
