@@ -14,8 +14,8 @@ COEFFICIENTS = ("dltdv", "dltdv7", "easywand", "argus", "xmalab", "pawnb")
 """Whose DLT coefficients are known: DLTdv 8 counts pixels down from 1, DLTdv 7 and older,
 easyWand and XMALab up from 1, Argus up from 0, pawnb down from 0."""
 
-_DOWN = ("dltdv", "pawnb")
-_FROM_0 = ("argus", "pawnb")
+_COUNTED_DOWN = ("dltdv", "pawnb")
+_COUNTED_FROM_0 = ("argus", "pawnb")
 
 
 def check_program(program: str | None, *, where: str, option: str) -> str:
@@ -83,13 +83,13 @@ def move_coefs(
         If heights are needed and not given.
     """
     n = coefs.shape[1]
-    up = program not in _DOWN
+    up = program not in _COUNTED_DOWN
     if up and (heights_px is None or len(heights_px) not in (1, n)):
         raise InputError(
             f"{where}: {program} counts v upwards from the lower edge; give the height of the "
             f"pictures of its {n} cameras in px (--heights)."
         )
-    first = 0.0 if program in _FROM_0 else 1.0
+    first = 0.0 if program in _COUNTED_FROM_0 else 1.0
     columns = []
     for i, column in enumerate(coefs.T):
         H = np.array([[1.0, 0.0, first], [0.0, 1.0, first], [0.0, 0.0, 1.0]])
