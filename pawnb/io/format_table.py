@@ -47,7 +47,8 @@ class Format:
     reads_with : tuple of str
         What else reading may be told: ``unit``, ``heights_px``.
     write : callable, optional
-        ``write(tracks, path)`` gives the file; None where the format is only read.
+        ``write(tracks, path)`` gives the file, or a list of all that it wrote; None where the
+        format is only read.
     writes_with : tuple of str
         What else writing may be told: ``view``, ``heights_px``.
     holds : {"view", "views", "space", "view or space", "all"}

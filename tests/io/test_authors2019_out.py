@@ -35,7 +35,8 @@ def trial(**more):
 def test_files_are_laid_out_as_the_authors_published_theirs(tmp_path):
     """The header of ``cam1.f.rat2.Week0.2018-06-08_13_30_12.csv``, and their pictures of cameras
     3 and 4, 2048 px wide, that are mirrored: X = 2047 - u."""
-    write_any_tracks(trial(), tmp_path / NAME, program="authors2019")
+    written = write_any_tracks(trial(), tmp_path / NAME, program="authors2019")
+    assert [path.name for path in written] == FILES
     assert sorted(path.name for path in tmp_path.iterdir()) == FILES
     lines = (tmp_path / NAME).read_text().split("\n")
     assert lines[1] == "Number of markers 3"
