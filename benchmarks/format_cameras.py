@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
 import numpy as np
-from format_programs import argus_writes_coefficients
+from format_programs import argus_shows, argus_writes_coefficients
 
 from pawnb.core.dlt import fit_dlt, project
 from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
-from pawnb.io.cameras_out import write_cameras, write_opencv_cameras
+from pawnb.io.cameras_out import write_cameras, write_mayacam, write_opencv_cameras
 from pawnb.io.coefs import read_coefs
 from pawnb.workflow.calibration.calibrate_file import calibrate_from_file
+from pawnb.workflow.calibration.export_file import export_calibration
 
 
 def aniposelib(folder: Path) -> tuple[str, str]:
@@ -108,13 +110,24 @@ def xmalab(folder: Path) -> tuple[str, str]:
     xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
     (camera,) = read_cameras(path)
     expected = cv2.projectPoints(xyz, angle, t, K, np.zeros(4))[0][:, 0]
-    return f"{np.abs(shown(camera, xyz) - expected).max():.1g} (source)", "-"
+    read = np.abs(shown(camera, xyz) - expected).max()
+    exact = replace(camera, rotation=cv2.Rodrigues(angle)[0])  # theirs are 12 digits
+    # Autoscoper, which takes these files from XMALab, finds numbers by the number of their line
+    lines = write_mayacam(exact, folder / "ours.txt").read_text().split("\n")
+    matrix, R = (
+        np.array([line.split(",") for line in lines[first : first + 3]], dtype=float)
+        for first in (4, 9)
+    )
+    moved = np.array(lines[14:17], dtype=float)
+    again = cv2.projectPoints(xyz, cv2.Rodrigues(R)[0], moved, matrix, np.zeros(4))[0][:, 0]
+    write = np.abs(again - expected).max()
+    return f"{read:.1g} (source)", f"{write:.1g} (source)"
 
 
 def coefficients(
     folder: Path, program: str, *, digits: int = 17, known_from: str = "described"
 ) -> tuple[str, str]:
-    """Read DLT coefficients of points as a program counts its pixels; none are written for it.
+    """DLT coefficients of points as a program counts its pixels, both ways.
 
     Parameters
     ----------
@@ -146,5 +159,18 @@ def coefficients(
     heights = None if program == "dltdv" else [480]
     calibrate_from_file(theirs, out=folder / "ours.csv", program=program, heights_px=heights)
     ours = read_coefs(folder / "ours.csv", ["cam1"])
-    said = f"{np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max():.1g}"
-    return said + (f" ({known_from})" if known_from else ""), "-"
+    read = np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max()
+    rotation = cv2.Rodrigues(angle)[0]
+    camera = Camera(name="a", matrix=K, distortion=(), rotation=rotation, translation=t)
+    write_opencv_cameras([camera], folder / "a.yaml")
+    written = folder / "written.csv"
+    export_calibration(folder / "a.yaml", out=written, to=program, heights_px=heights)
+    if program == "argus":
+        seen = argus_shows(written, xyz)
+    else:
+        L = np.loadtxt(written, delimiter=",")
+        P = np.append(L, 1.0).reshape(3, 4) @ np.column_stack([xyz, np.ones(len(xyz))]).T
+        seen = (P[:2] / P[2]).T
+    write = np.abs(seen - moved).max()
+    told = f" ({known_from})" if known_from else ""
+    return f"{read:.1g}{told}", f"{write:.1g}{told}"

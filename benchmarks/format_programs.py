@@ -164,6 +164,16 @@ def argus_writes_coefficients(coefs: np.ndarray, prefix: Path) -> Path:
     return Path(f"{prefix}-dlt-coefficients.csv")
 
 
+def argus_shows(path: Path, xyz: np.ndarray) -> np.ndarray:
+    """Return where Argus shows points (n, 3) after it loaded coefficients of one camera."""
+    values = _argus(
+        ("loadDLT", "dlt_inverse"),
+        {"tkFileDialog": SimpleNamespace(askopenfilename=lambda **_: str(path))},
+    )
+    values["loadDLT"](SimpleNamespace(dlt=SimpleNamespace(set=lambda _: None)))
+    return np.asarray(values["dlt_inverse"](values["DLTCoefficients"], xyz))
+
+
 # --- DLTdv 7, in Octave ---------------------------------------------------------------------------
 
 

@@ -11,6 +11,8 @@ import pandas as pd
 from format_programs import argus_reads, argus_writes, dltdv7_reads, dltdv7_writes
 from format_recording import FPS, POINTS, N, off, places, recording, tracks_of
 
+from pawnb.io.authors2019 import read_authors_trial, trial_stamp
+from pawnb.io.authors2019_out import write_authors_trial
 from pawnb.io.formats import read_any_tracks, write_any_tracks
 
 
@@ -52,16 +54,36 @@ def authors2019(folder: Path) -> tuple[str, str]:
         for view in views[name[-1]]:
             own = tracks["image_position"].sel(view=view, keypoint=name).isel(individual=0)
             worst.append(off(own.transpose("time", "image_space").to_numpy(), true[:, k]))
-    return ("0" if set(worst) == {"0"} else max(worst)) + " (described)", "-"
+    (folder / "ours").mkdir()
+    write_any_tracks(tracks, folder / "ours" / f"cam1.f.rat.walk.{stamp}.csv",
+                     program="authors2019")  # fmt: skip
+    write = _columns_differ(folder, folder / "ours")
+    return ("0" if set(worst) == {"0"} else max(worst)) + " (described)", f"{write} (described)"
+
+
+def _columns_differ(theirs: Path, ours: Path) -> str:
+    """Return by how much columns of coordinates of the 2019 authors differ from ours at most."""
+    worst = 0.0
+    for path in sorted(ours.glob("cam*.csv")):
+        one, other = (pd.read_csv(folder / path.name, skiprows=5) for folder in (theirs, ours))
+        if list(one) != list(other) or not one["Frames"].equals(other["Frames"]):
+            return "columns lost"
+        columns = [name for name in one if "Coordinate" in name]
+        a, b = (table[columns].to_numpy(dtype=float) for table in (one, other))
+        # where one axis is missing, the point is
+        pairs = np.isnan(a).reshape(len(a), -1, 2).any(axis=2).repeat(2, axis=1)
+        if not np.array_equal(np.isnan(b), pairs):
+            return "gap lost"
+        worst = max(worst, float(np.nanmax(np.abs(a - b))))
+    return f"{worst:.1g}"
 
 
 def authors2019_files(folder: Path) -> tuple[str, str]:
-    """Read the trials that the 2019 authors published, against their columns and formulas.
+    """Read the trials that the 2019 authors published, against their columns, and write them.
 
     Their own programs take u = X, or 2048 - X of cameras 3 and 4, whose pictures they mirrored:
     2047 - X from the centre of the first pixel.
     """
-    del folder
     data = Path(os.environ.get("PAWNB_TEST_DATA", "-")) / "rat-4cam-tracks"
     if not data.is_dir():
         raise ModuleNotFoundError("no files of the authors", name="files")
@@ -81,7 +103,11 @@ def authors2019_files(folder: Path) -> tuple[str, str]:
                 if np.isfinite(own).mean() < 0.9:
                     return "gap lost (their files)", "-"
                 worst = max(worst, float(np.nanmax(np.abs(own - expected))))
-    return f"{worst:.1g} (their files)", "-"
+    names = [path.name for path in data.glob("cam1.f.*.csv")]
+    for name in names:
+        stamp = trial_stamp(name)
+        write_authors_trial(read_authors_trial(data, stamp, row_px=None), folder / name)
+    return f"{worst:.1g} (their files)", f"{_columns_differ(data, folder)} (their files)"
 
 
 def dltdv7(folder: Path, ending: str, *, space: bool = False) -> tuple[str, str]:
@@ -130,7 +156,11 @@ def argus(folder: Path, *, space: bool = False) -> tuple[str, str]:
 
 
 def xmalab_markers(folder: Path) -> tuple[str, str]:
-    """Read markers laid out as save3dPoints of XMALab's source writes frames 1 to N, 12 digits."""
+    """Markers in space, laid out as save3dPoints of XMALab's source does it: frames 1 to N.
+
+    Of XMALab, which takes no points in space, 12 digits are read; what is written is read again by
+    that layout, with all its digits.
+    """
     true = recording(1, space=True)[:, :, 0]
     lines = ["Frame," + ",".join(f"{point}_{axis}" for point in POINTS for axis in "XYZ")]
     for i, row in enumerate(true.reshape(N, -1)):
@@ -139,4 +169,33 @@ def xmalab_markers(folder: Path) -> tuple[str, str]:
     tracks = read_any_tracks(folder / "markers.csv", fps=FPS)
     if tracks["frame"].to_numpy().tolist() != list(range(N)):
         return "frames lost (source)", "-"
-    return f"{off(places(tracks)[:, :, 0], true)} (source)", "-"
+    (ours,) = write_any_tracks(tracks_of(recording(1, space=True)), folder / "ours.csv",
+                               program="xmalab-3d")  # fmt: skip
+    table = pd.read_csv(ours)
+    same = table["Frame"].tolist() == list(range(1, N + 1)) and ",".join(table) == lines[0]
+    found = table.to_numpy()[:, 1:].reshape(true.shape)
+    write = off(found, true) if same else "frames lost"
+    return f"{off(places(tracks)[:, :, 0], true)} (source)", f"{write} (source)"
+
+
+def xmalab_points(folder: Path) -> tuple[str, str]:
+    """Points in the views, as save2dPoints of XMALab's source writes and load2dPoints reads them.
+
+    Both with a header, pixels from 1 and the y axis down; 12 digits, cells apart by `` , ``.
+    """
+    true = recording(1)[:, :, 0]
+    theirs = np.stack([true, true + np.array([5.0, 0.0])], axis=2)
+    lines = [" , ".join(f"{p}_cam{n}_{axis}" for p in POINTS for n in (1, 2) for axis in "XY")]
+    for row in theirs.reshape(N, -1):
+        lines.append(" , ".join("NaN" if np.isnan(x) else f"{x + 1:.12g}" for x in row))
+    (folder / "points.csv").write_text("\n".join(lines) + "\n")
+    tracks = read_any_tracks(folder / "points.csv", fps=FPS)
+    read = off(places(tracks)[:, :, 0], true)
+    exact = tracks_of(recording(1), views=2)
+    (ours,) = write_any_tracks(exact, folder / "ours.csv", program="xmalab")
+    header, *rows = ours.read_text().splitlines()
+    cells = [line.split(",") for line in rows]
+    found = np.array(cells, dtype=float).reshape(theirs.shape) - 1.0
+    names = [header.split(",")[4 * k].replace("_cam1_X", "") for k in range(len(POINTS))]
+    write = off(found, np.stack([true, true], axis=2)) if names == POINTS else "names lost"
+    return f"{read} (source)", f"{write} (source)"

@@ -8,7 +8,7 @@ library wrote, *write* what the other library reads of a file that pawnb wrote. 
 the program is at hand, pawnb reads what it wrote itself (own), a file made after the program's
 description (described) or as its public source code writes it (source), or files that its authors
 published (their files, in the folder $PAWNB_TEST_DATA); which is marked. In px, or mm in space; 0
-is exact, 1e-5 is single precision; - is not written. ``--out docs/accuracy/formats.csv`` writes the
+is exact, 1e-5 is single precision. ``--out docs/accuracy/formats.csv`` writes the
 table that docs/guide/formats.md shows.
 """
 
@@ -36,6 +36,7 @@ from format_sources import (
     dltdv7,
     own,
     xmalab_markers,
+    xmalab_points,
 )
 
 from pawnb.io.formats import read_any_tracks, write_any_tracks
@@ -266,6 +267,7 @@ ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
     ("DLTdv 7, 8 xyzpts", "DLTdv 7, Octave", lambda f: dltdv7(f, ".csv", space=True)),
     ("DLTdv 7, 8 xyzpts sparse", "DLTdv 7, Octave", lambda f: dltdv7(f, ".tsv", space=True)),
     ("DLTdv 8 xypts", "none", lambda f: own(f, "dltdv", "a_xypts.csv")),
+    ("XMALab 2D points csv", "none", xmalab_points),
     ("XMALab 3D points csv", "none", xmalab_markers),
     ("Argus xypts", "Argus", argus),
     ("Argus xyzpts", "Argus", lambda f: argus(f, space=True)),

@@ -17,9 +17,14 @@ _MORE = (
     "--wand LENGTH ENDS.csv: a wand that was tracked in all views (frame, view, point, u, v). "
     "POINTS3D CLICKS: a csv with point, x, y, z and a csv with view, point, u, v. FILE: cameras of "
     "Anipose or Pose2Sim (.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), or DLT "
-    "coefficients (--from). Written are DLTcoefs.csv and, where a lens bends, lenses.toml. Exit "
-    "status: 0; 2 on bad input; 3 where --judge finds a camera that does not belong."
+    "coefficients (--from). Written are DLTcoefs.csv and, where a lens bends, lenses.toml; or, "
+    "of a FILE, a calibration for another program (--to). Exit status: 0; 2 on bad input; 3 where "
+    "--judge finds a camera that does not belong."
 )
+
+_TARGETS = (
+    "anipose", "opencv", "mayacam", "dltdv", "dltdv7", "easywand", "argus", "xmalab", "pawnb",
+)  # fmt: skip
 
 
 def add_calibrate(parsers: Any) -> None:
@@ -32,7 +37,7 @@ def add_calibrate(parsers: Any) -> None:
         help="see above",
     )
     command.add_argument(
-        "-o", "--out", default="DLTcoefs.csv", metavar="FILE", help="default: %(default)s"
+        "-o", "--out", metavar="FILE", help="default: DLTcoefs.csv; needed with --to"
     )
     command.add_argument(
         "--views", nargs="+", metavar="VIEW",
@@ -72,11 +77,16 @@ def add_calibrate(parsers: Any) -> None:
     file = command.add_argument_group("from another program")
     file.add_argument(
         "--from", dest="program", metavar="PROGRAM",
-        help="whose DLT coefficients FILE holds: dltdv (8), dltdv7, easywand, argus or xmalab",
+        help="whose DLT coefficients FILE holds: dltdv (8), dltdv7, easywand, argus, xmalab, pawnb",
+    )  # fmt: skip
+    file.add_argument(
+        "--to", metavar="PROGRAM", choices=_TARGETS,
+        help=f"write for another program: {', '.join(_TARGETS)} (mayacam is XMALab's file of a "
+        "camera: name a folder with -o)",
     )  # fmt: skip
     file.add_argument(
         "--heights", type=int, nargs="+", metavar="PX",
-        help="heights of the pictures, for coefficients of DLTdv 7, easyWand and Argus",
+        help="heights of the pictures, for coefficients of DLTdv 7, easyWand, XMALab and Argus",
     )  # fmt: skip
     command.set_defaults(run=run_calibrate)
 
@@ -85,6 +95,11 @@ def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> int:
     """Calibrate by what is given, and say how well."""
     from pawnb.workflow.calibration.calibrate import is_points
 
+    if options.to is not None and (options.board or options.wand or is_points(options.files[0])):
+        raise InputError("--to takes a FILE: calibrate first, then write it for another program.")
+    if options.to is not None:
+        return _for_program(options)
+    options.out = options.out or "DLTcoefs.csv"
     if options.board is not None:
         return _by_board(options)
     for name in ("judge", "floor"):
@@ -190,6 +205,28 @@ def _by_file(options: argparse.Namespace) -> int:
         )  # fmt: skip
     else:
         print(taken.text())
+    return 0
+
+
+def _for_program(options: argparse.Namespace) -> int:
+    """Write a calibration as another program reads it."""
+    from pawnb.workflow.calibration.export_file import export_calibration
+
+    if options.out is None:
+        raise InputError(f"--to {options.to}: name the file to write with -o.")
+    done = export_calibration(
+        *options.files,
+        out=options.out,
+        to=options.to,
+        program=options.program,
+        views=options.views,
+        heights_px=options.heights,
+    )
+    if options.json:
+        files = [str(path) for path in done.paths]
+        print_json(views=list(done.views), origin=done.origin.tolist(), files=files)
+    else:
+        print(done.text())
     return 0
 
 

@@ -60,6 +60,7 @@ _HOME = {
     "write_any_tracks": "pawnb.io.formats",
     "write_argus_points": "pawnb.io.argus",
     "write_argus_points3d": "pawnb.io.argus",
+    "write_authors_trial": "pawnb.io.authors2019_out",
     "write_c3d": "pawnb.io.c3d_file",
     "write_cameras": "pawnb.io.cameras_out",
     "write_coefs": "pawnb.io.coefs",
@@ -70,12 +71,15 @@ _HOME = {
     "write_lenses": "pawnb.io.cameras_out",
     "write_lightning_pose": "pawnb.io.deeplabcut_out",
     "write_locomouse": "pawnb.io.locomouse_out",
+    "write_mayacam": "pawnb.io.cameras_out",
     "write_movement": "pawnb.io.movement",
     "write_nwb": "pawnb.io.nwb",
     "write_opencv_cameras": "pawnb.io.cameras_out",
     "write_sleap": "pawnb.io.sleap_out",
     "write_start": "pawnb.io.start",
     "write_tracks": "pawnb.io.native",
+    "write_xmalab_points": "pawnb.io.xmalab_out",
+    "write_xmalab_points3d": "pawnb.io.xmalab_out",
 }
 
 __all__ = [*_HOME]

@@ -46,7 +46,7 @@ VIEWS = ("cam1", "cam2", "cam3", "cam4")
 HEADER_LINES = 5
 SIZE = (2048, 700)
 
-_MARKERS = {"f": ("Shoulder", "Elbow", ""), "h": ("Asis", "Hip", "Knee", "Ankle", "")}
+MARKERS = {"f": ("Shoulder", "Elbow", ""), "h": ("Asis", "Hip", "Knee", "Ankle", "")}
 _SIDES = {1: "L", 3: "R"}
 _NAME = re.compile(
     r"cam(?P<cam>[13])\.(?P<part>[fh])\.(?P<trial>(?P<animal>[^.]+)\..*?"
@@ -103,7 +103,7 @@ def read_authors_trial(
     width = size[0]
     parts = {}
     for (cam, part), path in files.items():
-        frames, uv = _read_file(path, _MARKERS[part])
+        frames, uv = _read_file(path, MARKERS[part])
         if cam == 3:
             uv[:, :, 0] = width - 1 - uv[:, :, 0]
         parts[cam, part] = (frames, uv)
@@ -111,7 +111,7 @@ def read_authors_trial(
     frames = np.arange(every[0], every[-1] + 1)
     matched = _NAME.fullmatch(files[1, "f"].name)
     animal = matched["animal"] if matched else "animal"
-    points = [name for cam in (1, 3) for part in "fh" for name in _point_names(cam, part)]
+    points = [name for cam in (1, 3) for part in "fh" for name in point_names(cam, part)]
     tracks = make_tracks(
         frames, points, fps=fps, views=VIEWS, individual=animal, unit="mm",
         source_software="Kinematic-Software (Haji Maghsoudi et al. 2019)",
@@ -123,7 +123,7 @@ def read_authors_trial(
         for k in range(2):
             if bad[:, k].any():
                 refused[f"cam{cam + k}.{part}"] = own_frames[bad[:, k]].tolist()
-        columns = [points.index(name) for name in _point_names(cam, part)]
+        columns = [points.index(name) for name in point_names(cam, part)]
         _enter(tracks, own_frames - frames[0], slice(cam - 1, cam + 1), columns, uv)
     tracks = note_absent(tracks, every, file=f"the files of {matched['stamp'] if matched else ''}")
     return add_provenance(
@@ -221,6 +221,23 @@ def trial_stamp(name: str) -> str | None:
     return matched["stamp"] if matched else None
 
 
+def split_name(name: str) -> str | None:
+    """Return what the names of a trial's files share, ``<animal>.<condition>.<stamp>``.
+
+    Parameters
+    ----------
+    name : str
+        The name of one of its four files.
+
+    Returns
+    -------
+    str or None
+        None for other names.
+    """
+    matched = _NAME.fullmatch(name)
+    return matched["trial"] if matched else None
+
+
 def _find_files(folder: Path, stamp: str | None) -> dict[tuple[int, str], Path]:
     """Return the four files of a trial by camera (1, 3) and part (f, h)."""
     stamps = list_authors_trials(folder)
@@ -259,10 +276,23 @@ def _read_file(path: Path, markers: tuple[str, ...]) -> tuple[IntArray, FloatArr
     return frames, yx[..., ::-1].transpose(0, 2, 3, 1).copy()
 
 
-def _point_names(cam: int, part: str) -> list[str]:
-    """Return the names of the markers of one file, in its order."""
+def point_names(cam: int, part: str) -> list[str]:
+    """Return the names of the markers of one file, in its order.
+
+    Parameters
+    ----------
+    cam : {1, 3}
+        Its first camera.
+    part : {"f", "h"}
+        The front or the hind leg.
+
+    Returns
+    -------
+    list of str
+        ``FL_Shoulder, FL_Elbow, FL`` and the like.
+    """
     leg = part.upper() + _SIDES[cam]
-    return [f"{leg}_{marker}" if marker else leg for marker in _MARKERS[part]]
+    return [f"{leg}_{marker}" if marker else leg for marker in MARKERS[part]]
 
 
 def _find_bad_rows(uv: FloatArray, row_px: float | None) -> BoolArray:

@@ -1,9 +1,9 @@
-"""Calibrated cameras written: for Anipose, for OpenCV, and as lenses of the views of a trial."""
+"""Calibrated cameras written: for Anipose, OpenCV, XMALab, and as lenses of a trial's views."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -128,6 +128,76 @@ def write_opencv_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
         for word, values in parts.items():
             lines += _matrix(f"{word}_{camera.name}", np.asarray(values, dtype=float))
     return write_whole(path, ("\n".join(lines) + "\n").encode())
+
+
+def write_mayacam(camera: Camera, path: str | Path) -> Path:
+    """Write a camera as MayaCam 2.0, as XMALab exports it and Autoscoper reads it.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+    path : str or Path
+        The file, ``.txt``; reading it takes its name for the camera's.
+
+    Returns
+    -------
+    Path
+        The file; reading it gives the same numbers.
+
+    Raises
+    ------
+    CalibrationError
+        If the lens bends, which the file cannot hold, or the size of the picture is not known.
+
+    Examples
+    --------
+    >>> straight = pawnb.io.Camera(name="cam1", matrix=matrix, distortion=(), rotation=np.eye(3),
+    ...                            translation=np.array([0.0, 0.0, 500.0]), size=(640, 480))
+    >>> pawnb.io.write_mayacam(straight, "cam1.txt").name
+    'cam1.txt'
+    """
+    check_mayacam(camera)
+    width, height = camera.size or (0, 0)
+    # Autoscoper counts the lines: one empty line between the parts, no more
+    parts = {
+        "image size": [f"{width},{height}"],
+        "camera matrix": [_row(row) for row in camera.matrix],
+        "rotation": [_row(row) for row in camera.rotation],
+        "translation": [_row([x]) for x in camera.translation],
+    }
+    text = "\n".join("\n".join([head, *rows, ""]) for head, rows in parts.items())
+    return write_whole(path, text.encode())
+
+
+def check_mayacam(camera: Camera) -> None:
+    """Refuse a camera that MayaCam 2.0 cannot hold.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+
+    Raises
+    ------
+    CalibrationError
+        If its lens bends, or the size of its picture is not known.
+    """
+    if not camera.is_straight:
+        raise CalibrationError(
+            f"camera {camera.name!r}: its lens bends the picture, which MayaCam 2.0 cannot hold "
+            "(XMALab takes pictures that are straight); write Anipose's or OpenCV's file instead."
+        )
+    if camera.size is None:
+        raise CalibrationError(
+            f"camera {camera.name!r}: MayaCam 2.0 says the size of the picture, and this "
+            "calibration does not; take one that does (Anipose, Pose2Sim, XMALab)."
+        )
+
+
+def _row(values: Iterable[float]) -> str:
+    """Return numbers with as few digits as give them back exactly."""
+    return ",".join(repr(float(x)) for x in values)
 
 
 def _matrix(name: str, values: np.ndarray) -> list[str]:

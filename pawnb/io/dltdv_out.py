@@ -48,27 +48,59 @@ def write_dltdv_points(
     >>> pawnb.io.write_dltdv_points(tracks, "copy_xypts.csv").name
     'copy_xypts.csv'
     """
-    path, views = Path(path), views_of(tracks)
+    path = Path(path)
+    names, values, own = view_columns(tracks, "DLTdv", heights_px)
+    write_columns(path, names, values)
+    _write_beside(tracks, path, own, range(1, values.shape[1] // len(own.points) // 2 + 1))
+    return path
+
+
+def view_columns(
+    tracks: Tracks, program: str, heights_px: Sequence[int] | None
+) -> tuple[list[str], FloatArray, Outgoing]:
+    """Return points in the views as columns, counted from 1 as DLTdv and XMALab do.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with points in pictures, of one animal.
+    program : str
+        Whose file it will be, for messages.
+    heights_px : sequence of int or None
+        Height of each view's picture (or one of all), where Y counts upwards.
+
+    Returns
+    -------
+    names : list of str
+        ``<point>_cam<n>_X, _Y`` of every point in every view.
+    values : ndarray, shape (n_frames, n_names)
+        A row for every frame from 0 on, NaN where missing.
+    own : Outgoing
+        The points of the last view.
+
+    Raises
+    ------
+    InputError
+        If there are no points in pictures, several animals, or heights do not fit the views.
+    """
+    views = views_of(tracks)
     if heights_px is not None and len(heights_px) not in (1, len(views)):
         raise InputError(f"{len(views)} views but {len(heights_px)} heights; give one a view.")
     heights = None if heights_px is None else [*heights_px] * (
         len(views) if len(heights_px) == 1 else 1
     )  # fmt: skip
-    parts, points = [], []
+    parts = []
     for i, view in enumerate(views or [""]):
         own = take_view(tracks, view)
-        own.only_animal("DLTdv")
+        own.only_animal(program)
         place = own.whole(own.place[:, :, 0])
         place[..., 0] += 1.0
         place[..., 1] = place[..., 1] + 1.0 if heights is None else heights[i] - place[..., 1]
         parts.append(place)
-        points = own.points
     numbers = range(1, len(parts) + 1)
-    names = [f"{p}_cam{n}_{axis}" for p in points for n in numbers for axis in "XY"]
+    names = [f"{p}_cam{n}_{axis}" for p in own.points for n in numbers for axis in "XY"]
     values = np.stack(parts, axis=2)
-    _write(path, names, values.reshape(len(values), -1))
-    _write_beside(tracks, path, own, numbers)
-    return path
+    return names, values.reshape(len(values), -1), own
 
 
 def _write_beside(tracks: Tracks, path: Path, own: Outgoing, numbers: Sequence[int]) -> None:
@@ -78,7 +110,7 @@ def _write_beside(tracks: Tracks, path: Path, own: Outgoing, numbers: Sequence[i
     if OFFSETS in tracks:
         offsets = np.nan_to_num(own.whole(own_offsets(tracks, own.frames)))
     if OFFSETS in tracks or not beside(path, "offsets").exists():
-        _write(beside(path, "offsets"), [f"cam{n}_offset" for n in numbers], offsets)
+        write_columns(beside(path, "offsets"), [f"cam{n}_offset" for n in numbers], offsets)
     if has_space(tracks):
         space = take_space(tracks)
         if space.points == own.points and np.array_equal(space.frames, own.frames):
@@ -86,7 +118,7 @@ def _write_beside(tracks: Tracks, path: Path, own: Outgoing, numbers: Sequence[i
     for kind, axes in (("xyzpts", "XYZ"), ("xyzres", [DLTRES])):
         if not beside(path, kind).exists():
             names = [f"{point}_{axis}" for point in own.points for axis in axes]
-            _write(beside(path, kind), names, np.full((n_rows, len(names)), np.nan))
+            write_columns(beside(path, kind), names, np.full((n_rows, len(names)), np.nan))
 
 
 def own_offsets(tracks: Tracks, frames: IntArray) -> FloatArray:
@@ -139,10 +171,12 @@ def write_dltdv_points3d(tracks: Tracks, path: str | Path) -> Path:
     own.only_animal("DLTdv")
     names = [f"{point}_{axis}" for point in own.points for axis in "XYZ"]
     values = own.whole(own.place[:, :, 0])
-    _write(path, names, values.reshape(len(values), -1))
+    write_columns(path, names, values.reshape(len(values), -1))
     if DLTRES in own.tracks:
         residuals = own.whole(own.tracks[DLTRES].to_numpy()[..., 0])
-        _write(beside(path, "xyzres"), [f"{point}_{DLTRES}" for point in own.points], residuals)
+        write_columns(
+            beside(path, "xyzres"), [f"{point}_{DLTRES}" for point in own.points], residuals
+        )
     return path
 
 
@@ -167,8 +201,23 @@ def beside(path: Path, kind: str) -> Path:
     return path.with_name(f"{path.stem}_{kind}{path.suffix}")
 
 
-def _write(path: Path, names: Sequence[str], values: FloatArray) -> Path:
-    """Write a table of numbers, full (NaN as DLTdv says it) or sparse."""
+def write_columns(path: Path, names: Sequence[str], values: FloatArray) -> Path:
+    """Write a table of numbers, full (NaN as DLTdv says it) or sparse.
+
+    Parameters
+    ----------
+    path : Path
+        The file; ``.tsv`` is sparse.
+    names : sequence of str
+        Names of the columns.
+    values : ndarray, shape (n_rows, n_names)
+        The numbers.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
     rows = [",".join(names)]
     if path.suffix == ".tsv":
         # what is not there is 0 in a sparse file

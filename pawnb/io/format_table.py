@@ -11,6 +11,7 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.io import argus, native
 from pawnb.io.anipose import read_anipose, write_anipose
 from pawnb.io.authors2019 import read_authors_trial, trial_stamp
+from pawnb.io.authors2019_out import write_authors_trial
 from pawnb.io.c3d_file import read_c3d, write_c3d
 from pawnb.io.deeplabcut import read_collected, read_deeplabcut
 from pawnb.io.deeplabcut_out import write_collected, write_deeplabcut, write_lightning_pose
@@ -25,6 +26,7 @@ from pawnb.io.sleap_out import write_sleap
 from pawnb.io.tables import write_table
 from pawnb.io.track_tables import read_points3d_table, read_tracks_table
 from pawnb.io.wide import read_wide_table, write_wide_table
+from pawnb.io.xmalab_out import write_xmalab_points, write_xmalab_points3d
 from pawnb.schema import Tracks
 
 
@@ -45,7 +47,8 @@ class Format:
     reads_with : tuple of str
         What else reading may be told: ``unit``, ``heights_px``.
     write : callable, optional
-        ``write(tracks, path)`` gives the file; None where the format is only read.
+        ``write(tracks, path)`` gives the file, or a list of all that it wrote; None where the
+        format is only read.
     writes_with : tuple of str
         What else writing may be told: ``view``, ``heights_px``.
     holds : {"view", "views", "space", "view or space", "all"}
@@ -135,6 +138,15 @@ TABLE: tuple[Format, ...] = (
         writes_with=_HEIGHTS,
     ),
     Format(
+        name="xmalab-3d", title="XMALab 3D points", endings=(".csv",), holds="space",
+        read=read_dltdv_points3d, reads_with=_UNIT, write=write_xmalab_points3d,
+    ),
+    Format(
+        name="xmalab", title="XMALab 2D points", endings=(".csv",), holds="views",
+        read=read_dltdv_points, reads_with=_HEIGHTS, write=write_xmalab_points,
+        writes_with=_HEIGHTS,
+    ),
+    Format(
         name="argus-3d", title="Argus xyzpts", endings=(".csv",), holds="space",
         names=("-xyzpts",), read=argus.read_argus_points3d, reads_with=_UNIT,
         write=argus.write_argus_points3d,
@@ -171,7 +183,7 @@ TABLE: tuple[Format, ...] = (
     ),
     Format(
         name="authors2019", title="csv of the 2019 authors", endings=(".csv",), holds="views",
-        read=_read_authors,
+        read=_read_authors, write=write_authors_trial,
     ),
 )  # fmt: skip
 """Every format: how it is read, how it is written, what a file of it holds."""

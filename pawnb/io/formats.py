@@ -269,11 +269,13 @@ def write_any_tracks(
         if apart
         else {view: path}
     )
+    done: list[Path] = []
     for one, own in targets.items():
         told = {"view": one, "heights_px": heights_px}
         if entry.write is not None:
-            entry.write(tracks, own, **_taken(told, entry.writes_with))
-    return list(targets.values())
+            written = entry.write(tracks, own, **_taken(told, entry.writes_with))
+            done += written if isinstance(written, list) else [own]
+    return done
 
 
 def check_rate(fps: float | None) -> None:

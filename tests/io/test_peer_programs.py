@@ -125,6 +125,5 @@ def test_the_programs_themselves(tmp_path, monkeypatch, word):
             pytest.skip(f"{missing.name} is not in $PAWNB_PEER_PROGRAMS")
         assert float(read) < 1e-6, name  # six decimals
         # Argus keeps what it opens in half precision: a quarter of a pixel from 256 px on
-        assert write.startswith(("0", "-")), name
-        assert write == "-" or float(write.split()[0]) <= 0.125, name
+        assert float(write.split()[0]) <= (0.125 if name == "Argus xypts" else 1e-6), name
     assert n >= 3

@@ -7,16 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from pawnb.core.dlt import transform_image
+from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.files import read_text
 from pawnb.io.cameras import Camera, read_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
+from pawnb.workflow.calibration.program_pixels import check_program, move_coefs
 from pawnb.workflow.calibration.written import Written, write_calibration
-
-COEFFICIENTS = ("dltdv", "dltdv7", "easywand", "argus", "xmalab")
-"""Programs that write DLT coefficients: DLTdv 8 counts pixels down from 1, DLTdv 7 and older,
-easyWand and XMALab up from 1, Argus up from 0."""
 
 
 def calibrate_from_file(
@@ -40,7 +37,8 @@ def calibrate_from_file(
         The file to write, usually ``DLTcoefs.csv``. Where a lens bends, ``lenses.toml`` is
         written beside it.
     program : str, optional
-        For coefficients, one of :data:`COEFFICIENTS`.
+        For coefficients, one of
+        :data:`pawnb.workflow.calibration.program_pixels.COEFFICIENTS`.
     views : sequence of str, optional
         Cameras to keep, in the order of the trial's views; for coefficients the names of the
         columns.
@@ -61,16 +59,52 @@ def calibrate_from_file(
         If a file cannot be read.
     """
     out = Path(out)
+    found, names = read_calibration(
+        path, *more, program=program, views=views, heights_px=heights_px
+    )
+    if isinstance(found, list):
+        return write_calibration(found, out)
+    write_coefs(found, out)
+    return Written(tuple(names), found, np.zeros(3), out, None)
+
+
+def read_calibration(
+    path: str | Path,
+    *more: str | Path,
+    program: str | None = None,
+    views: Sequence[str] | None = None,
+    heights_px: Sequence[int] | None = None,
+) -> tuple[list[Camera] | FloatArray, list[str]]:
+    """Read another program's cameras, or its coefficients in pawnb's pixels.
+
+    Parameters
+    ----------
+    path, *more, program, views, heights_px
+        As for :func:`calibrate_from_file`.
+
+    Returns
+    -------
+    found : list of Camera, or ndarray of shape (11, n_views)
+        What the files hold.
+    names : list of str
+        Names of the views.
+
+    Raises
+    ------
+    InputError
+        If the program or the heights are needed and not given.
+    CalibrationError
+        If a file cannot be read.
+    """
     if _is_coefs(Path(path)):
-        coefs, names = _moved_coefs(Path(path), program, views, heights_px)
-        write_coefs(coefs, out)
-        return Written(tuple(names), coefs, np.zeros(3), out, None)
+        return _moved_coefs(Path(path), program, views, heights_px)
     if program is not None:
         raise InputError(
             f"{Path(path).name} holds cameras, which say themselves whose they are; --from is for "
             "DLT coefficients."
         )
-    return write_calibration(_chosen(read_cameras(path, *more), views), out)
+    cameras = _chosen(read_cameras(path, *more), views)
+    return cameras, [camera.name for camera in cameras]
 
 
 def _is_coefs(path: Path) -> bool:
@@ -90,30 +124,13 @@ def _moved_coefs(
     program: str | None,
     views: Sequence[str] | None,
     heights_px: Sequence[int] | None,
-) -> tuple[np.ndarray, list[str]]:
+) -> tuple[FloatArray, list[str]]:
     """Return coefficients moved to pawnb's pixels, and the names of their views."""
-    if program not in COEFFICIENTS:
-        near = did_you_mean(program, COEFFICIENTS) if program else ""
-        raise InputError(
-            f"{path.name}: DLT coefficients do not say in whose pixels they are; say whose with "
-            f"--from {', '.join(COEFFICIENTS)}{near}."
-        )
+    program = check_program(program, where=path.name, option="--from")
     n = len(read_text(path).lstrip().split("\n")[0].split(","))
     names = list(views or [f"cam{i + 1}" for i in range(n)])
     coefs = read_coefs(path, names)
-    if program != "dltdv" and (heights_px is None or len(heights_px) not in (1, n)):
-        raise InputError(
-            f"{path.name}: {program} counts v upwards from the lower edge; give the height of the "
-            f"pictures of its {n} cameras in px (--heights)."
-        )
-    columns = []
-    for i, column in enumerate(coefs.T):
-        first = 0.0 if program == "argus" else 1.0
-        H = np.array([[1.0, 0.0, -first], [0.0, 1.0, -first], [0.0, 0.0, 1.0]])
-        if program != "dltdv" and heights_px is not None:
-            H[1] = [0.0, -1.0, heights_px[i if len(heights_px) > 1 else 0]]
-        columns.append(transform_image(column, H))
-    return np.stack(columns, axis=1), names
+    return move_coefs(coefs, program, heights_px, back=True, where=path.name), names
 
 
 def _chosen(cameras: list[Camera], views: Sequence[str] | None) -> list[Camera]:

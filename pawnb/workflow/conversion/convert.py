@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from pawnb.core.dlt import transform_image
 from pawnb.core.reproject import reproject_tracks
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError, did_you_mean
@@ -18,6 +17,7 @@ from pawnb.io.outgoing import has_space, take_animal, views_of
 from pawnb.io.points import check_names
 from pawnb.schema import Tracks, add_provenance, make_tracks
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.calibration.program_pixels import move_coefs
 from pawnb.workflow.conversion.file_pixels import rig_of_tracks, view_heights
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.provenance.results import read_result_tracks, results_folder
@@ -203,12 +203,5 @@ def _moved_coefs(
     if names != views_of(tracks):
         raise CalibrationError("not every view is calibrated; choose calibrated ones with --view.")
     own = rig.subset(names)
-    first = 1.0 if entry.name == "dltdv" else 0.0
-    columns = []
-    for i, column in enumerate(own.coefs.T):
-        H = np.array([[1.0, 0.0, first], [0.0, 1.0, first], [0.0, 0.0, 1.0]])
-        if heights_px is not None:
-            height = heights_px[i if len(heights_px) > 1 else 0]
-            H[1] = [0.0, -1.0, height]
-        columns.append(transform_image(column, H))
-    return np.stack(columns, axis=1)
+    up = entry.name == "dltdv" and heights_px is not None
+    return move_coefs(own.coefs, "dltdv7" if up else entry.name, heights_px)

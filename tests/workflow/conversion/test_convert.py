@@ -61,7 +61,7 @@ def test_points_in_space_to_table(tmp_path):
         (
             "clip.csv",
             "authors2019",
-            r"^csv of the 2019 authors is read but not written; expected",
+            r"^clip\.csv: the 2019 authors name a file cam1\.f\.<animal>\.<condition>\.<stamp>",
         ),
         ("clip.csv", "deeplabcat", r"^unknown format 'deeplabcat' \(did you mean 'deeplabcut'"),
         ("clip.h5", None, r"^clip\.h5: .* \.h5 may be of deeplabcut, collected, sleap: say which"),
@@ -133,10 +133,8 @@ def test_one_animal_of_several(tmp_path):
 
 
 def test_the_help_names_every_format():
-    said = _FORMATS.replace("Formats: ", "").split(". A name")[0].replace("read only: ", "")
-    assert set(said.replace(";", ",").split(", ")) == set(FORMATS)
-    read_only = _FORMATS.split("read only: ")[1].split(". ")[0].split(", ")
-    assert set(FORMATS) - set(WRITTEN) == set(read_only)
+    said = _FORMATS.replace("Formats: ", "").split(". A name")[0]
+    assert set(said.split(", ")) == set(FORMATS) == set(WRITTEN)
 
 
 def test_points_are_called_as_the_legs_they_are_from_here_on(tmp_path, capsys):

@@ -243,8 +243,11 @@ def test_every_figure_of_a_run_is_identical_elsewhere_and_in_another_process(tmp
     number = len(done.stdout.splitlines()) - 1
     assert done.stdout.splitlines()[-1] == f"{number} of {number} identical"
     assert done.returncode == 0, done.stderr
-    # a figure that travels alone and was renamed
-    alone = shutil.copy(Path(moved) / "gait" / "figures" / "phase_rose.pdf", tmp_path / "Fig2.pdf")
+    # a figure that travels alone and was renamed; folders beside the three nearest are looked into,
+    # so it lies deep enough that no other run of this test does
+    far = tmp_path / "mail" / "of" / "a friend"
+    far.mkdir(parents=True)
+    alone = shutil.copy(Path(moved) / "gait" / "figures" / "phase_rose.pdf", far / "Fig2.pdf")
     assert _in_another_process([alone], tmp_path).returncode == 2
     assert _in_another_process([alone], tmp_path, "--inputs", moved).returncode == 0
 
