@@ -170,11 +170,16 @@ def test_plots_fit_the_page_and_follow_its_theme(small, source):
             arg=dark,
             timeout=30_000,
         )
+        small.page.wait_for_function(  # drawn anew in the colours first, in the size after
+            """(most) => [...document.querySelectorAll('.jupyter-matplotlib canvas')].at(-1)
+                .getBoundingClientRect().height < most""",
+            arg=768 - 250,
+            timeout=30_000,
+        )
         area = small.page.locator(".jp-OutputArea-output").last
         room, box = area.bounding_box(), canvas.bounding_box()
         assert box["x"] + box["width"] <= room["x"] + room["width"] + 1  # nothing is cut off
         assert box["width"] > 0.9 * room["width"]
-        assert box["height"] < 768 - 250
     small.page.set_viewport_size({"width": 1920, "height": 1200})
     # the cell is wider (in Notebook 7 as wide as its page gets), and the plots follow
     small.page.wait_for_timeout(1500)  # the page is laid out anew first
