@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from pawnb.synthetic.gait_model import PAW_HEIGHT_MM, mean_gait, plan_gait
@@ -74,6 +74,8 @@ def test_touch_down_and_lift_off_alternate_and_duty_factors_are_those_of_a_mouse
 
 @settings(max_examples=15, deadline=None)
 @given(scenes)
+# one of its swings ends behind where it began: its turning points are no largest and smallest value
+@example(scene_settings("hard", changes={"seed": 316, "belt_speed_mm_s": 100.0, "size": 0.8125}))
 def test_extremes_are_the_turning_points_that_dense_sampling_finds(scene):
     for motion in plan_gait(scene, 0.5).legs.values():
         pep, aep = motion.extremes()
@@ -81,10 +83,10 @@ def test_extremes_are_the_turning_points_that_dense_sampling_finds(scene):
             lift, down = motion.lift_off_s[k], motion.touch_down_s[k + 1]
             assert lift < pep[k] < aep[k] < down
             time_s = np.linspace(lift, down, 2001)[:-1]
-            forward = motion.position(time_s)[:, 0]
+            forwards = np.flatnonzero(np.diff(motion.position(time_s)[:, 0]) > 0)
             grain = (down - lift) / 2000
-            assert aep[k] == pytest.approx(time_s[forward.argmax()], abs=1.01 * grain)
-            assert pep[k] == pytest.approx(time_s[forward.argmin()], abs=1.01 * grain)
+            assert pep[k] == pytest.approx(time_s[forwards[0]], abs=1.01 * grain)
+            assert aep[k] == pytest.approx(time_s[forwards[-1] + 1], abs=1.01 * grain)
 
 
 def test_strides_vary_as_the_settings_say(long_run):
