@@ -20,6 +20,7 @@ from pawnb.io.cameras_out import (
 from pawnb.io.coefs import write_coefs
 from pawnb.workflow.calibration.calibrate_file import read_calibration
 from pawnb.workflow.calibration.program_pixels import COEFFICIENTS, move_coefs
+from pawnb.workflow.calibration.written import tell_cameras
 
 CAMERA_FILES = ("anipose", "opencv", "mayacam")
 """Programs whose files hold cameras: Pose2Sim reads Anipose's, XMALab and Autoscoper MayaCam."""
@@ -48,12 +49,8 @@ class Exported:
 
     def text(self) -> str:
         """Return the cameras, and what was written."""
-        lines = [f"{len(self.views)} cameras: {', '.join(self.views)}"]
-        if self.origin.any():
-            x, y, z = self.origin
-            lines.append(f"positions are counted from ({x:g}, {y:g}, {z:g}) of the file: a "
-                         "camera that stands at its origin has no DLT coefficients")  # fmt: skip
-        return "\n".join([*lines, *(f"wrote {path}" for path in self.paths)])
+        told = tell_cameras(self.views, self.origin)
+        return "\n".join([*told, *(f"wrote {path}" for path in self.paths)])
 
 
 def export_calibration(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.io.cameras import Camera, coefs_of_cameras
 from pawnb.io.cameras_out import write_lenses
 from pawnb.io.coefs import write_coefs
@@ -42,12 +43,7 @@ class Written:
 
     def text(self) -> str:
         """Return the cameras, what a person should know, and :meth:`lines`."""
-        lines = [f"{len(self.views)} cameras: {', '.join(self.views)}"]
-        if self.origin.any():
-            x, y, z = self.origin
-            lines.append(f"positions are counted from ({x:g}, {y:g}, {z:g}) of the file: a "
-                         "camera that stands at its origin has no DLT coefficients")  # fmt: skip
-        return "\n".join([*lines, *self.remarks, *self.lines()])
+        return "\n".join([*tell_cameras(self.views, self.origin), *self.remarks, *self.lines()])
 
     def files(self) -> list[str]:
         """Return what was written."""
@@ -116,3 +112,13 @@ def write_calibration(cameras: Sequence[Camera], out: str | Path) -> Written:
     )
     names = tuple(camera.name for camera in cameras)
     return Written(names, coefs, origin, out, lenses, remarks)
+
+
+def tell_cameras(views: Sequence[str], origin: FloatArray) -> list[str]:
+    """Return lines on the cameras, and on their origin (3,) where coefficients have another one."""
+    lines = [f"{len(views)} cameras: {', '.join(views)}"]
+    if origin.any():
+        x, y, z = origin
+        lines.append(f"positions are counted from ({x:g}, {y:g}, {z:g}) of the file: a "
+                     "camera that stands at its origin has no DLT coefficients")  # fmt: skip
+    return lines
