@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
+from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.pose_stretches import edit_legs, hide_leg
 from pawnb.core.edits.records import (
     Accept,
@@ -123,7 +124,7 @@ def apply_edit(
             "a point of a jointed animal cannot be moved by itself; correct its pose with "
             "pawnb.widgets.PoseReviewer(trial, tracks)."
         )
-    new = tracks.copy(deep=True)
+    new = copy_tracks(tracks)
     solve = _PositionSolver(new, rig, px_per_unit)
     rows = rows_of_edit(new, edit)
     if isinstance(edit, Swap):
@@ -188,11 +189,11 @@ def _poses_again(
 
     Legs that were marked as not visible stay so.
     """
-    new = _tracker(retrack, frame)(tracks.copy(deep=True), frame)
+    new = _tracker(retrack, frame)(copy_tracks(tracks), frame)
     check_editable(new)
     later = [hide for hide in hidden if hide.frame in new["frame"]]
     if later:
-        new = new.copy(deep=True)
+        new = copy_tracks(new)
         for hide in later:
             hide_leg(new, rows_of_edit(new, hide), hide.point)
     return new
@@ -217,7 +218,7 @@ def _retracked(
     hidden: Iterable[Hide],
 ) -> Tracks:
     """Track again from a frame, then put back what a person had corrected from there on."""
-    new = _tracker(retrack, frame)(tracks.copy(deep=True), frame).copy(deep=True)
+    new = copy_tracks(_tracker(retrack, frame)(copy_tracks(tracks), frame))
     check_editable(new)
     for name in ("view", "keypoint"):
         if list(new[name].to_numpy()) != list(tracks[name].to_numpy()):

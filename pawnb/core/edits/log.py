@@ -17,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.effects import Retracker, RigLike, apply_edit, check_editable
 from pawnb.core.edits.hidden import hidden_by_hand
 from pawnb.core.edits.records import (
@@ -298,7 +299,7 @@ class EditLog:
         """Return the tracks as they were on one side of a change."""
         if change.rows is None:
             return state
-        tracks = self.tracks.copy(deep=True)
+        tracks = copy_tracks(self.tracks)
         for name, variable in state.data_vars.items():
             if "time" in variable.dims:
                 tracks[name].values[change.rows] = variable.values

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from pawnb.arrays import BoolArray
+from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.records import Delete, Hide, Interpolate, Swap
 from pawnb.core.edits.stretches import EDITED, KNOTS_BESIDE, MISSING, PREDICTED, rows_of_edit
 from pawnb.core.pose.animal import StickAnimal
@@ -42,7 +43,7 @@ def edit_legs(tracks: Tracks, edit: Swap | Interpolate | Hide | Delete) -> Track
         If there is no such leg or frame, legs of different make are exchanged, the poses are in
         space, or nothing is known at a side.
     """
-    new, animal = tracks.copy(deep=True), animal_of(tracks)
+    new, animal = copy_tracks(tracks), animal_of(tracks)
     rows = rows_of_edit(new, edit)
     if isinstance(edit, Hide | Delete):
         hide_leg(new, rows, edit.point)

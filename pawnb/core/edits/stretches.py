@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.records import Edit, Retrack, Swap
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -174,7 +175,7 @@ def only_within(tracks: Tracks, new: Tracks, edit: Retrack) -> Tracks:
         )
     outside = np.ones(len(frames), dtype=bool)
     outside[rows_of_edit(tracks, edit)] = False
-    result = new.copy(deep=True)
+    result = copy_tracks(new)
     for name, was in tracks.data_vars.items():
         if name in result and "time" in was.dims and result[name].dims == was.dims:
             result[name].values[outside] = was.values[outside]
