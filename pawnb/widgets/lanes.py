@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
-from pawnb.figures.gait_diagram import build_gait_diagram_table
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.analysis.run import analyse
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -118,6 +117,10 @@ def find_stances(tracks: Tracks, trial: Trial) -> dict[str, list[tuple[float, fl
     dict
         Point to begin and end of its stances, s; empty where the gait cannot be analysed.
     """
+    from pawnb.figures.gait_diagram import (
+        build_gait_diagram_table,  # brings pyplot, needed here only
+    )
+
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -6,16 +6,17 @@ import base64
 import io
 from collections.abc import Sequence
 from contextlib import suppress
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import cv2
 import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 
 from pawnb.errors import PawnbError
 from pawnb.workflow.export.marks import line, rgb, ring, write_beside
 from pawnb.workflow.export.tiles import TileLayout, resized_array
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _WIDTH_PX = 720
 _DPI = 80
@@ -108,6 +109,8 @@ def picture_of_canvas(canvas: Any) -> bytes:
 
 def picture_of_figure(figure: Figure) -> bytes:
     """Return a figure as PNG; the canvas that shows it stays its canvas."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # a review of pictures needs none
+
     shown, file = figure.canvas, io.BytesIO()
     try:
         FigureCanvasAgg(figure)
@@ -134,6 +137,8 @@ def picture_of_table(head: Sequence[str], rows: Sequence[Sequence[str]], title: 
     bytes
         The file.
     """
+    from matplotlib.figure import Figure  # 18 MB, which a review of pictures need not have
+
     figure = Figure(figsize=(_WIDTH_PX / _DPI, 0.6 + 0.28 * (len(rows) + 1)), dpi=_DPI)
     axes = figure.add_axes((0.01, 0.0, 0.98, 0.9))
     axes.axis("off")

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import traitlets
 
+from pawnb.core.edits.copies import give_back_memory
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
@@ -205,6 +206,8 @@ class TimelineCanvas(FrameCanvas):
                 self._look_for_stances(tracks)
                 if not first:
                     self._tell_of_tracks()
+        if tracks.sizes["time"] > _MOST_DRAWN_FRAMES:
+            give_back_memory()
 
     def _send_lanes(self, begin: int, stop: int) -> None:
         """Send some frames of all lanes; as text, since some front ends lose binary messages."""

@@ -1,7 +1,8 @@
-"""Copies of Tracks whose memory goes back to the system as soon as they are dropped."""
+"""Memory of long tracks goes back to the system as soon as it is not needed any more."""
 
 from __future__ import annotations
 
+import ctypes
 import mmap
 import sys
 
@@ -46,3 +47,21 @@ def _own_pages(values: AnyArray) -> AnyArray:
     copy = np.frombuffer(pages, dtype=values.dtype).reshape(values.shape)
     copy[...] = values
     return copy
+
+
+def give_back_memory() -> bool:
+    """Give free memory that ``malloc`` keeps back to the system, where that is possible (Linux).
+
+    Looking for doubtful labels and drawing lanes takes arrays of hundreds of megabytes for a moment
+    in a long recording. What lies between things that stay is kept by glibc though it is free:
+    21 MB after a reviewer of 100,000 frames is opened, 30 MB after a correction. It takes 25 ms.
+
+    Returns
+    -------
+    bool
+        Whether anything was given back.
+    """
+    if not sys.platform.startswith("linux"):
+        return False
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # musl has none
+    return trim is not None and bool(trim(0))

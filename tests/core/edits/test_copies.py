@@ -1,12 +1,15 @@
 """Copies of long tracks: alike, apart, and of memory that goes back to the system."""
 
+import ctypes
 import mmap
+import sys
 
 import numpy as np
+import pytest
 import xarray as xr
 from test_edits import FlatRig, wand
 
-from pawnb.core.edits.copies import copy_tracks
+from pawnb.core.edits.copies import copy_tracks, give_back_memory
 from pawnb.core.edits.log import EditLog, Move
 from pawnb.schema import make_tracks
 
@@ -71,3 +74,21 @@ def test_undo_and_redo_of_long_tracks_leave_every_state_as_it_was():
 def test_short_tracks_are_copied_as_well():
     tracks = wand()
     xr.testing.assert_identical(copy_tracks(tracks), tracks)
+
+
+@pytest.mark.parametrize("platform", ["linux", "darwin", "win32"])
+def test_free_memory_is_given_back_where_the_c_library_can(monkeypatch, platform):
+    asked = []
+
+    class Library:
+        def malloc_trim(self, kept):
+            asked.append(kept)
+            return 1
+
+    monkeypatch.setattr(ctypes, "CDLL", lambda _name: Library())
+    monkeypatch.setattr(sys, "platform", platform)
+    assert give_back_memory() == (platform == "linux")
+    assert asked == [0] * (platform == "linux")
+    # another C library, as that of Alpine, has no such function
+    monkeypatch.setattr(ctypes, "CDLL", lambda _name: object())
+    assert not give_back_memory()
