@@ -106,9 +106,9 @@ def next_step(quality: Quality, out: str | Path) -> str:
     out : str or Path
         Folder of the results.
     """
-    if quality.verdict == "good":
+    if quality.verdict == "good" and not quality.poor_points:
         return f"pawnb gait {out}"
-    if quality.verdict == "look":
+    if quality.verdict in ("good", "look"):
         return f"review (pawnb.widgets.TrackReviewer), then pawnb gait {out}"
     return "click the points in more frames (pawnb suggest names some), and track again"
 

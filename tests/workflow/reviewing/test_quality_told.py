@@ -62,6 +62,8 @@ def tracked_as(tmp_path, monkeypatch):
     ("right", "verdict", "status", "after"),
     [
         ((1.0, 0.96), "good", 0, "pawnb gait "),
+        ((1.0, 0.84), "good but for HR (84 % of labels expected right) - HR is missing in 16 % of "
+         "frames", 0, "review (pawnb.widgets.TrackReviewer), then pawnb gait "),
         ((1.0, 0.7), "look: HR (70 % of labels expected right) - HR is missing in 30 % of frames",
          0, "review (pawnb.widgets.TrackReviewer), then pawnb gait "),
         ((0.4, 0.1), "failed: HR (10 % of labels expected right) - HR is missing in 90 % of "

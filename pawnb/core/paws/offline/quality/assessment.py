@@ -74,7 +74,8 @@ class Quality:
     Parameters
     ----------
     verdict : {"good", "look", "failed"}
-        As of a point; not good where any point failed.
+        As of a point, by the mean over points: a recording of which 90 % is right is good though
+        one point of it is less; not where any point failed.
     expected_right, measured, bridged, missing : float
         Means over the points.
     reasons : tuple of str
@@ -99,6 +100,11 @@ class Quality:
         """Whether any point failed, however the others are."""
         return any(point.verdict == "failed" for point in self.points)
 
+    @property
+    def poor_points(self) -> tuple[str, ...]:
+        """Names of the points that are not good, the worst first."""
+        return tuple(point.name for point in _worst_first(self.points))
+
     def document(self) -> dict[str, Any]:
         """Return what ``quality.json`` holds: shares rounded to 0.1 %."""
         shares = ("expected_right", "measured", "bridged", "missing")
@@ -114,10 +120,14 @@ class Quality:
         }
 
     def line(self) -> str:
-        """Return the verdict, and what a person should know, in one line."""
+        """Return the verdict, and what a person should know, in one line.
+
+        A recording may be good as a whole though a point of it is not; then so much is said.
+        """
         said: str = self.verdict
         if self.reasons:
-            said += f": {'; '.join(self.reasons)}"
+            said += " but for " if self.verdict == "good" else ": "
+            said += "; ".join(self.reasons)
         return said if not self.gaps else f"{said}; {self.dropped()}"
 
     def dropped(self) -> str:
@@ -301,7 +311,7 @@ def _words(
 
 def _told(points: Sequence[PointQuality]) -> tuple[str, ...]:
     """Return what is said of a recording: its worst points, each with its heaviest reason."""
-    poor = sorted((p for p in points if p.verdict != "good"), key=lambda p: p.expected_right)
+    poor = _worst_first(points)
     said = [
         f"{p.name} ({100 * p.expected_right:.0f} % of labels expected right)"
         + "".join(f" - {reason}" for reason in p.reasons[:1])
@@ -310,6 +320,11 @@ def _told(points: Sequence[PointQuality]) -> tuple[str, ...]:
     if len(poor) > QUALITY.most_reasons:
         said.append(f"and {len(poor) - QUALITY.most_reasons} more points")
     return tuple(said)
+
+
+def _worst_first(points: Sequence[PointQuality]) -> list[PointQuality]:
+    """Return the points that are not good, the worst first."""
+    return sorted((p for p in points if p.verdict != "good"), key=lambda p: p.expected_right)
 
 
 def _verdict(right: float, limits: QualityLimits) -> Verdict:
