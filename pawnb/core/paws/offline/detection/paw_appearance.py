@@ -25,7 +25,7 @@ from pawnb.core.paws.offline.detection.colour.blob_detection import peaks_at
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
 from pawnb.core.paws.offline.detection.colour.photometry.illumination import normalise_illumination
 from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
-from pawnb.core.paws.offline.detection.features import feature_maps
+from pawnb.core.paws.offline.detection.features import PictureFeatures, feature_maps
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 from pawnb.core.paws.offline.scene.parameters import CAMERA
@@ -144,9 +144,8 @@ class PawLook(Appearance):
         del origin, shrink  # what is about a place tells, and how it is read is known
         if self.known is None or self.reading is None:
             raise ValueError("this look was not learnt")
-        features = feature_maps(*self.reading.read(pixels), LEARNT.paw_spacing_px)
-        h, w = features.shape[:2]
-        chance = self.known.classify(features.reshape(h * w, -1))[:, 1].reshape(h, w)
+        features = PictureFeatures(*self.reading.read(pixels), LEARNT.paw_spacing_px)
+        chance = _chances(features, self.known.classify)
         least = 1.0 / (1.0 + np.exp(LEARNT.paw_most_odds))
         chance = np.clip(chance, least, 1.0 - least)
         odds = (np.log(chance / (1.0 - chance)) - LEARNT.paw_neutral).astype(np.float32)
@@ -366,6 +365,28 @@ def _lots(
         labels: np.ndarray = np.repeat([1, 0], [len(positive), len(chosen)])
         lots.append((features.reshape(h * w, -1)[taken], labels))
     return lots
+
+
+def _chances(features: PictureFeatures, classify: Classifier) -> Float32Array:
+    """Return how likely a paw is at every place (h, w): all places are looked at near likely ones.
+
+    Every other place in each direction is looked at first. A paw covers several of these, and what
+    is left out is less likely than scores tell apart.
+    """
+    h, w = features.shape
+    number = np.arange(h * w).reshape(h, w)
+    chance = np.zeros((h, w), np.float32)
+    near = np.zeros((h, w), np.uint8)
+    chance[::2, ::2] = classify(features.at(number[::2, ::2].ravel()))[:, 1].reshape(
+        number[::2, ::2].shape
+    )
+    near[::2, ::2] = chance[::2, ::2] > LEARNT.nowhere
+    near = cv2.dilate(near, np.ones((5, 5), np.uint8))
+    near[::2, ::2] = 0
+    rest = np.flatnonzero(near)
+    if len(rest):
+        chance.ravel()[rest] = classify(features.at(rest))[:, 1]
+    return chance
 
 
 def _distances(shape: tuple[int, int], at: np.ndarray) -> np.ndarray:

@@ -185,6 +185,8 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
         (100, ("look", 0.71), ("look", 0.81), (0.1, 0.0), "strides"),
         (100, ("look", 0.8), ("look", 0.84), (0.1, 0.0), "colour"),
         (100, ("look", 0.71), ("look", 0.81), (0.1, 0.1), "colour"),
+        (100, ("look", 0.6), ("good", 0.95), (0.8, 0.02), "strides"),
+        (100, ("look", 0.6), ("good", 0.95), (0.02, 0.8), "colour"),
     ],
 )
 def test_the_better_tracks_are_kept(monkeypatch, frames, colour, strides_, shared, taken):
