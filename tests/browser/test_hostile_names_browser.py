@@ -9,9 +9,17 @@ import json
 import shutil
 
 import ball_scene
+import numpy as np
 import pytest
+import small_pose_trial as pose_scene
 import small_trial as scene
 from test_small_screen_browser import set_theme
+
+from pawnb.core.pose.as_tracks import tracks_from_poses
+from pawnb.core.pose.poses import join_poses
+from pawnb.core.pose.track_result import plain_track
+from pawnb.io.native import write_tracks
+from pawnb.schema import add_provenance
 
 pytestmark = pytest.mark.browser
 
@@ -194,3 +202,67 @@ w""")
     for k in range(menu.locator("option").count()):
         menu.select_option(index=k)
         harmless(screen)
+
+
+HOSTILE = pytest.mark.parametrize(
+    "name", [EVIL, LONG, HEBREW, "a\"b'c"], ids=["script", "long", "hebrew", "quotes"]
+)
+
+
+def posed(folder, name):
+    """The small trial of a jointed animal, its view, animal and name hostile."""
+    file = pose_scene.write_pose_trial(folder)
+    text = file.read_text()
+    for was in ("top", "s1", "small"):
+        for key in ("name", "id"):
+            text = text.replace(f'{key} = "{was}"', f"{key} = {json.dumps(name)}")
+    file.write_text(text)
+    return file
+
+
+@HOSTILE
+def test_names_of_view_and_animal_where_a_pose_is_dragged(screen, tmp_path, name):
+    file = posed(tmp_path / "trial", name)
+    screen.show(f"""from pawnb.widgets import StickPoser
+w = StickPoser({str(file)!r}, frame={pose_scene.EMPTY}, path={str(tmp_path / "pose.csv")!r})
+w""")
+    found = screen.js("c.stages[0].stick.handles().find((h) => h.id === 'R2')")
+    marks = screen.page.locator(".pawnb-view .pawnb-marks").first
+    marks.scroll_into_view_if_needed()
+    x, y = screen.js(f"c.stages[0].toCanvas({found['u']}, {found['v']})")
+    box, mouse = marks.bounding_box(), screen.page.mouse
+    mouse.move(box["x"] + x, box["y"] + y)
+    mouse.down()
+    mouse.move(box["x"] + x - 6, box["y"] + y - 4, steps=3)
+    mouse.up()
+    screen.settle()
+    screen.kernel_runs(f"w.alarm = {name + LONG!r}")
+    screen.focus()
+    screen.press("?")
+    harmless(screen)
+    assert screen.py("len(w.session._past)") == 1
+
+
+@HOSTILE
+def test_names_of_view_and_animal_where_poses_are_reviewed(screen, tmp_path, name):
+    file = posed(tmp_path / "trial", name)
+    poses = join_poses([pose_scene.truth()] * 4)
+    poses.frames[:] = np.arange(pose_scene.EMPTY, pose_scene.N_FRAMES)
+    tracks = tracks_from_poses(
+        pose_scene.SPECIES, plain_track(pose_scene.SPECIES, poses), fps=125.0, view=name,
+        individual=name, px_per_unit=pose_scene.SCALE, unit="mm",
+    )  # fmt: skip
+    start = [{"frame": pose_scene.EMPTY}]
+    tracks = add_provenance(tracks, step="track", method="pawnb", settings={}, start=start)
+    kept = write_tracks(tracks, tmp_path / "tracks.nc")
+    screen.show(f"""from pawnb.io.native import read_tracks
+from pawnb.widgets import PoseReviewer
+w = PoseReviewer({str(file)!r}, read_tracks({str(kept)!r}),
+                 edits={str(tmp_path / "e.jsonl")!r})
+w""")
+    screen.kernel_runs(f"w.alarm = {name + LONG!r}")
+    screen.focus()
+    screen.press("ArrowRight")
+    screen.settle()
+    screen.press("?")
+    harmless(screen)
