@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import ByteArray, Float32Array, FloatArray
+from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.parameters import MotionParameters
@@ -36,12 +37,17 @@ def detect_by_motion(
     Detections
         At most two for each point and row.
     """
-    found: list[tuple[int, int, float, float, float]] = []
-    for (row, end), points in _ways(annotations, len(stack.grey)).items():
+    ways = _ways(annotations, len(stack.grey))
+
+    def along(way: tuple[int, int]) -> list[tuple[int, int, float, float, float]]:
+        (row, end), points = way, ways[way]
         uv = np.array([annotations.places[row][point] for point in points])
         xy = uv @ stack.to_body[row, :, :2].T + stack.to_body[row, :, 2]
-        for t, i, x, y, trust in _follow(stack.grey, row, end, xy, parameters):
-            found.append((t, points[i], x, y, trust))
+        followed = _follow(stack.grey, row, end, xy, parameters)
+        return [(t, points[i], x, y, trust) for t, i, x, y, trust in followed]
+
+    # ways do not depend on each other, and flow lets other threads run
+    found = [one for own in in_parts(along, ways) for one in own]
     table = np.array(found, float).reshape(-1, 5)
     rows_found = table[:, 0].astype(int)
     place = stack.to_grid(table[:, 2:4])
