@@ -225,7 +225,7 @@ def appearance_maps(
         row = wanted[i]
         colour = None if stack.colour is None else stack.colour[row]
         features = PictureFeatures(stack.grey[row], colour, stack.spacing)
-        for point, found in zip(points, _probabilities(features, classify, points), strict=True):
+        for point, found in zip(points, probabilities_of(features, classify, points), strict=True):
             own = cv2.GaussianBlur(found, (0, 0), LEARNT.found_blur)
             maps[point][i] = np.clip(
                 own / (1.0 + LEARNT.found_unsure - own), parameters.lowest, parameters.highest
@@ -235,13 +235,27 @@ def appearance_maps(
     return maps
 
 
-def _probabilities(
+def probabilities_of(
     features: PictureFeatures, classify: Classifier, points: Sequence[int]
 ) -> Float32Array:
     """Return the probability (points, h, w) of each point at every place of a picture.
 
     Every other place in each direction is looked at first, and all of them about those where
-    points are likelier than :data:`_NOWHERE`.
+    points are likelier than ``nowhere``.
+
+    Parameters
+    ----------
+    features : PictureFeatures
+        Of the picture.
+    classify : callable
+        The classifier.
+    points : sequence of int
+        Which points.
+
+    Returns
+    -------
+    ndarray of float32, shape (points, h, w)
+        The probabilities, 0 at places that were not looked at.
     """
     h, w = features.shape
     number = np.arange(h * w).reshape(h, w)

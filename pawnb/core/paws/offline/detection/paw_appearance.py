@@ -19,7 +19,7 @@ import numpy as np
 from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray
 from pawnb.core.checkpoint import code_checksum
 from pawnb.core.paws.layout import Layout, Placement, Views
-from pawnb.core.paws.offline.detection.appearance import vary_picture
+from pawnb.core.paws.offline.detection.appearance import probabilities_of, vary_picture
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.colour.blob_detection import peaks_at
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
@@ -33,7 +33,7 @@ from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.smoothing.tracks import SmoothedTracks
 from pawnb.core.pixels.grey import grey, has_colour
 
-_CODE_OF_APPEARANCE = ("classifier.py", "features.py", "paw_appearance.py")
+_CODE_OF_APPEARANCE = ("appearance.py", "classifier.py", "features.py", "paw_appearance.py")
 """What kept detections depend on besides what was learnt from."""
 
 
@@ -145,7 +145,7 @@ class PawLook(Appearance):
         if self.known is None or self.reading is None:
             raise ValueError("this look was not learnt")
         features = PictureFeatures(*self.reading.read(pixels), LEARNT.paw_spacing_px)
-        chance = _chances(features, self.known.classify)
+        (chance,) = probabilities_of(features, self.known.classify, [0])
         least = 1.0 / (1.0 + np.exp(LEARNT.paw_most_odds))
         chance = np.clip(chance, least, 1.0 - least)
         odds = (np.log(chance / (1.0 - chance)) - LEARNT.paw_neutral).astype(np.float32)
@@ -365,28 +365,6 @@ def _lots(
         labels: np.ndarray = np.repeat([1, 0], [len(positive), len(chosen)])
         lots.append((features.reshape(h * w, -1)[taken], labels))
     return lots
-
-
-def _chances(features: PictureFeatures, classify: Classifier) -> Float32Array:
-    """Return how likely a paw is at every place (h, w): all places are looked at near likely ones.
-
-    Every other place in each direction is looked at first. A paw covers several of these, and what
-    is left out is less likely than scores tell apart.
-    """
-    h, w = features.shape
-    number = np.arange(h * w).reshape(h, w)
-    chance = np.zeros((h, w), np.float32)
-    near = np.zeros((h, w), np.uint8)
-    chance[::2, ::2] = classify(features.at(number[::2, ::2].ravel()))[:, 1].reshape(
-        number[::2, ::2].shape
-    )
-    near[::2, ::2] = chance[::2, ::2] > LEARNT.nowhere
-    near = cv2.dilate(near, np.ones((5, 5), np.uint8))
-    near[::2, ::2] = 0
-    rest = np.flatnonzero(near)
-    if len(rest):
-        chance.ravel()[rest] = classify(features.at(rest))[:, 1]
-    return chance
 
 
 def _distances(shape: tuple[int, int], at: np.ndarray) -> np.ndarray:
