@@ -62,11 +62,18 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self._draft: FormDraft | None = None
         self._rows: list[_ViewRow] = []
         self._make_fields()
-        self._of_views = widgets.VBox()
+        self._pictures, self._of_views = widgets.VBox(), widgets.VBox()
         self._make = widgets.Button(
             description="Make the trial", button_style="primary", icon="check"
         )
         self._make.on_click(lambda _: self.write())
+        # shown once: a field that is made anew in the page loses what is being typed there
+        fields = [self.name, self.animal_id, self.animal, self.points, self.fps, self.unit,
+                  self.dlt, self.px_per_unit, self.belt]  # fmt: skip
+        self.children = (
+            widgets.HBox(fields, layout=_TRIAL_ROW), self._pictures, self._of_views,
+            widgets.HBox([self._make, self._told], layout=_TRIAL_ROW),
+        )  # fmt: skip
         self._draft = FormDraft(
             self.made.folder / ".trial-draft.json", self._fields(), more=self._views_typed
         )
@@ -112,7 +119,7 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self.points = widgets.Text(
             placeholder="names with commas between", description="points", layout=_TRIAL_WIDTH
         )
-        self.points.layout.display = "none"
+        _set_shown(self.points, False)
         self.fps = widgets.Text(placeholder="frames a second", description="filmed at")
         self.unit = widgets.Text(value=made.unit, description="unit", layout={"width": "10em"})
         csvs = sorted(made.folder.glob("*.csv"))
@@ -146,11 +153,10 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _on_animal(self, _change: Any) -> None:
         """Ask for the points where the list does not know them."""
-        self.points.layout.display = None if self.animal.value == OTHER_ANIMAL else "none"
-        self._show_views()
+        _set_shown(self.points, self.animal.value == OTHER_ANIMAL)
 
     def _show_views(self) -> None:
-        """Show the fields, one row a view, and the pictures."""
+        """Show the pictures, one row a view, and the calibration that so many views need."""
         made = self.made
         several = len(made.views) > 1
         canvas = CropCanvas(made, changed=self._on_change, max_height=420)
@@ -158,13 +164,10 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
             self._canvas.close()
         self._canvas = canvas
         self._rows = [_ViewRow(self, view, several=several) for view in made.views]
+        self._pictures.children = [canvas]
         self._of_views.children = [row.box for row in self._rows]
-        calibration = self.dlt if several else self.px_per_unit
-        fields = [self.name, self.animal_id, self.animal, self.points, self.fps, self.unit]
-        self.children = (
-            widgets.HBox([*fields, calibration, self.belt], layout=_TRIAL_ROW),
-            self._canvas, self._of_views, widgets.HBox([self._make, self._told], layout=_TRIAL_ROW),
-        )  # fmt: skip
+        _set_shown(self.dlt, several)
+        _set_shown(self.px_per_unit, not several)
         self._on_change()  # a view may have come or gone
 
     def _take(self) -> None:
@@ -248,6 +251,11 @@ class _ViewRow:
         self._view.name = self.name.value.strip()
         self._view.mirror = bool(self.mirror.value)
         self._view.points = _names(self.points.value)
+
+
+def _set_shown(field: widgets.Widget, shown: bool) -> None:
+    """Show a field, or hide it where it is."""
+    field.layout.display = None if shown else "none"
 
 
 def _views_of(kept: Any, given: list[NewView]) -> list[NewView]:

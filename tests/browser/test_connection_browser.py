@@ -211,6 +211,20 @@ def test_a_widget_that_python_knows_no_more_is_not_connected(reviewing):
     assert [line["edit"] for line in lines(file)] == ["move"]
 
 
+def test_a_question_that_is_lost_is_asked_again(reviewing):
+    """As where Jupyter opens its line anew just then; nobody presses anything."""
+    notebook, file = reviewing
+    notebook.js("void (c.really = c.model.send, c.model.send = () => {}, c.connection.ask())")
+    wait_lost(notebook)
+    notebook.js("void (c.model.send = c.really)")
+    notebook.wait("!c.connection.down")
+    assert notebook.page.locator(LOST).is_hidden()
+    u, v = scene.seen(0)[0, 0]
+    notebook.drag("cam1", (u, v), (u + 20, v + 10))
+    notebook.settle()
+    assert [line["edit"] for line in lines(file)] == ["move"]
+
+
 def test_plots_say_that_their_kernel_has_ended(notebook):
     notebook.run("""import numpy as np
 import pandas as pd

@@ -6,6 +6,7 @@
 // Joined with the other files here by frame_canvas.py and by surroundings.py.
 
 const PATIENCE_MS = 6000; // so long an answer may take of a kernel that has nothing else to do
+const PAUSE_MS = 1000; // between two questions, so that no question follows on the last one's stir
 const ENDED = ["restarting", "autorestarting", "terminating", "dead"];
 
 class Connection {
@@ -16,6 +17,7 @@ class Connection {
     this.busy = false; // Python does something else first
     this.ended = false; // and it will never hear again
     this.timer = null;
+    this.askedAt = -PAUSE_MS;
     this.sure = false; // whether it was asked if anybody is there, and got no answer yet
     this.kernel = (model.widget_manager && model.widget_manager.kernel) || null;
     this.look = () => this.lookAtKernel();
@@ -53,7 +55,9 @@ class Connection {
 
   // Ask whether anybody is there.
   ask() {
-    if (!this.ended) this.send({ type: "hello", who: this.who });
+    if (this.ended) return;
+    this.askedAt = performance.now();
+    this.send({ type: "hello", who: this.who });
   }
 
   doubt() {
@@ -69,6 +73,7 @@ class Connection {
     }
     this.set({ down: !busy, busy: !!busy });
     if (busy) this.asked();
+    else if (there || !kernel) this.ask(); // the last question may have been lost with a line
   }
 
   lookAtKernel() {
@@ -76,7 +81,7 @@ class Connection {
     if (kernel.isDisposed || ENDED.includes(kernel.status))
       this.set({ down: true, busy: false, ended: true });
     else if (kernel.connectionStatus !== "connected") this.set({ down: true, busy: false });
-    else if (this.down && this.timer === null) this.ask(); // only an answer tells that it is back
+    else if (this.down && performance.now() - this.askedAt > PAUSE_MS) this.ask(); // it may be back
   }
 
   set(state) {
