@@ -13,10 +13,17 @@ from pawnb.widgets.crop_canvas import CropCanvas
 from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
 from pawnb.workflow.workbench.animals import ANIMALS, OTHER_ANIMAL, choose_animal
-from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, second_view
+from pawnb.workflow.workbench.new_trial import (
+    NewTrial,
+    NewView,
+    new_trial,
+    part_of_frames,
+    second_view,
+)
 
 _TRIAL_ROW = {"flex_flow": "row wrap"}
 _TRIAL_WIDTH = {"width": "22em"}
+_NUMBER = {"width": "12em"}
 _NONE = "none"
 
 
@@ -71,7 +78,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         fields = [self.name, self.animal_id, self.animal, self.points, self.fps, self.unit,
                   self.dlt, self.px_per_unit, self.belt]  # fmt: skip
         self.children = (
-            widgets.HBox(fields, layout=_TRIAL_ROW), self._pictures, self._of_views,
+            widgets.HBox(fields, layout=_TRIAL_ROW), self._pictures, self._of_frames(),
+            self._of_views,
             widgets.HBox([self._make, self._told], layout=_TRIAL_ROW),
         )  # fmt: skip
         self._draft = FormDraft(
@@ -130,11 +138,31 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self.px_per_unit = widgets.Text(placeholder="px in one unit", description="scale")
         self.belt = widgets.Text(placeholder="unit a second, or none", description="treadmill")
         self.animal.observe(self._on_animal, names="value")
+        self.first = widgets.Text(placeholder="first", description="from frame", layout=_NUMBER)
+        self.last = widgets.Text(placeholder="last", description="to frame", layout=_NUMBER)
+
+    def _of_frames(self) -> widgets.HBox:
+        """Return what asks for the frames to use: typed, or those that the pictures show."""
+        row = []
+        for field, words in ((self.first, "Begin here"), (self.last, "End here")):
+            here = widgets.Button(
+                description=words,
+                tooltip="Use frames in which the animal is in the picture: the one shown is taken",
+                layout={"width": "8em"},
+            )
+            here.on_click(lambda _, field=field: self._take_frame(field))
+            row += [field, here]
+        return widgets.HBox(row, layout=_TRIAL_ROW)
+
+    def _take_frame(self, field: widgets.Text) -> None:
+        """Fill in the frame that the pictures show."""
+        if self._canvas is not None:
+            field.value = str(self._canvas.frame)
 
     def _fields(self) -> dict[str, Any]:
         """Return the fields of the whole trial by name."""
         names = ("name", "animal_id", "animal", "points", "fps", "unit", "dlt", "px_per_unit",
-                 "belt")  # fmt: skip
+                 "belt", "first", "last")  # fmt: skip
         return {name: getattr(self, name) for name in names}
 
     def _views_typed(self) -> list[dict[str, Any]]:
@@ -159,7 +187,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         """Show the pictures, one row a view, and the calibration that so many views need."""
         made = self.made
         several = len(made.views) > 1
-        canvas = CropCanvas(made, changed=self._on_change, max_height=420)
+        shown = None if self._canvas is None else self._canvas.frame
+        canvas = CropCanvas(made, changed=self._on_change, frame=shown, max_height=420)
         if self._canvas is not None:
             self._canvas.close()
         self._canvas = canvas
@@ -182,6 +211,9 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         made.dlt = Path(self.dlt.value) if several and self.dlt.value else None
         made.px_per_unit = None if several else _number(self.px_per_unit.value, "scale")
         made.belt_speed = _number(self.belt.value, "treadmill")
+        if self._canvas is not None:
+            first, last = _frame(self.first.value), _frame(self.last.value)
+            made.frames = part_of_frames(first, last, self._canvas.span[1] + 1)
         for row in self._rows:
             row.take()
 
@@ -282,6 +314,15 @@ def _box(values: Sequence[Any]) -> tuple[int, int, int, int]:
 
 def _names(text: str) -> tuple[str, ...]:
     return tuple(name for word in text.split(",") if (name := word.strip()))
+
+
+def _frame(text: str) -> int | None:
+    """Return the frame that a field names, None where it is empty."""
+    if not (word := text.strip()):
+        return None
+    if not word.isdecimal():
+        raise InputError(f"a frame to use is {text!r}; expected a number, the first frame being 0.")
+    return int(word)
 
 
 def _number(text: str, what: str) -> float | None:

@@ -31,6 +31,11 @@ w""")
     notebook.page.keyboard.type("5")
     notebook.until("w.fps.value", "125.5")
     assert rate.input_value() == "125.5"
+    # the frames to use are those that the pictures show
+    notebook.js("f.go(7)")
+    notebook.until("w._canvas.frame", 7)
+    notebook.page.get_by_role("button", name="Begin here").click()
+    notebook.until("[w.first.value, w.last.value]", ["7", ""])
     # one view is calibrated by a scale, several by a DLT
     scale = notebook.page.get_by_placeholder("px in one unit")
     assert scale.is_hidden()

@@ -75,9 +75,18 @@ def test_bare_videos_become_a_trial_and_its_start_is_clicked_next(bare, opened):
     assert "filmed at is 'fast'; expected a number" in form._told.value
     form.fps.value = "250"
     form._rows[2].points.value = "FR, FL"
+    form.first.value = "two"
+    assert form.write() is None
+    assert "a frame to use is 'two'; expected a number" in form._told.value
+    form.first.value, form.last.value = "2", str(scene.N_FRAMES)
+    assert form.write() is None
+    assert f"expected two of frames 0 to {scene.N_FRAMES - 1}" in form._told.value
+    form._canvas.frame = scene.N_FRAMES - 2
+    form._take_frame(form.last)
     assert form.write() == bare / "trial.toml"
     trial = pawnb.load_trial(bare)
     assert (trial.fps, trial.views[2].points) == (250.0, ("FR", "FL"))
+    assert trial.frames == (2, scene.N_FRAMES - 1)
     assert isinstance(bench.tool.tool, ClickInitialiser)
     assert [state.next_step for state in bench.session.states] == ["start"]
 

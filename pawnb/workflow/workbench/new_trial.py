@@ -83,6 +83,8 @@ class NewTrial:
         Scale of a single view.
     belt_speed : float, optional
         Speed of the treadmill, unit / s.
+    frames : tuple of int, optional
+        First frame to use and one past the last; all of them by default.
     """
 
     views: list[NewView]
@@ -96,6 +98,7 @@ class NewTrial:
     dlt: Path | None = None
     px_per_unit: float | None = None
     belt_speed: float | None = None
+    frames: tuple[int, int] | None = None
     _sizes: dict[Path, tuple[int, int]] = field(default_factory=dict, repr=False)
 
     @property
@@ -150,6 +153,7 @@ class NewTrial:
             views=tuple(self._view(view) for view in self.views),
             calibration=calibration,
             belt_speed=self.belt_speed,
+            frames=self.frames,
             folder=self.folder,
         )
 
@@ -256,6 +260,35 @@ def new_trial(videos: Sequence[str | Path], folder: str | Path | None = None) ->
     if len(paths) > 1 and (home / "DLTcoefs.csv").exists():
         made.dlt = home / "DLTcoefs.csv"
     return made
+
+
+def part_of_frames(first: int | None, last: int | None, n: int) -> tuple[int, int] | None:
+    """Return the frames to use as a trial says them.
+
+    Parameters
+    ----------
+    first, last : int or None
+        The first and the last frame to use; None for that of the recording.
+    n : int
+        Number of frames of the recording.
+
+    Returns
+    -------
+    tuple of int or None
+        The first and one past the last; None where that is the whole recording.
+
+    Raises
+    ------
+    InputError
+        If they are not two frames of the recording, the first before the last.
+    """
+    begin, end = 0 if first is None else first, n if last is None else last + 1
+    if not 0 <= begin < end - 1 <= n - 1:
+        raise InputError(
+            f"frames {begin} to {end - 1} are to be used; expected two of frames 0 to {n - 1}, "
+            "the first before the last."
+        )
+    return None if (begin, end) == (0, n) else (begin, end)
 
 
 def second_view(view: NewView, taken: Sequence[str]) -> NewView:

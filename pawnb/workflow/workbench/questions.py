@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from pawnb.errors import InputError
 from pawnb.workflow.workbench.animals import ANIMALS, choose_animal
-from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial
+from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, part_of_frames
 
 T = TypeVar("T")
 Ask = Callable[[str], str]
@@ -21,13 +21,17 @@ class _Questions:
     def __init__(self, ask: Ask, say: Say) -> None:
         self._ask, self._say = ask, say
 
-    def __call__(self, question: str, take: Callable[[str], T], *, default: str = "") -> T:
-        """Return what an answer means; Enter takes the default."""
+    def __call__(
+        self, question: str, take: Callable[[str], T], *, default: str = "", may_end: bool = False
+    ) -> T:
+        """Return what an answer means; Enter takes the default, as the end does where it may."""
         shown = f"{question} [{default}]: " if default else f"{question}: "
         while True:
             try:
                 answer = self._ask(shown).strip()
             except EOFError:
+                if may_end:
+                    return take(default)
                 raise InputError(
                     f"no answer to {question!r}, so nothing was written; answer every question, "
                     "or write trial.toml by hand (docs/guide/trial.md)."
@@ -83,6 +87,7 @@ def ask_new_trial(
     made.belt_speed = put(f"Speed of the treadmill in {made.unit} a second (Enter: none)", _perhaps)
     for view in made.views:
         _ask_view(made, view, put)
+    _ask_frames(made, put)
     return made.write()
 
 
@@ -128,6 +133,22 @@ def _ask_view(made: NewTrial, view: NewView, put: _Questions) -> None:
     view.mirror = put("  Is it seen in a mirror (y or n)", _yes, default="n")
     if made.animal.has_points and len(made.views) > 1:
         view.points = put("  Points seen in it", known_points, default=", ".join(points))
+
+
+def _ask_frames(made: NewTrial, put: _Questions) -> None:
+    """Ask for the frames to use; files of answers that were written before it was asked fit."""
+    with made.open_whole() as views:
+        n = views.n_frames
+
+    def part(answer: str) -> tuple[int, int] | None:
+        words = answer.replace(",", " ").split()
+        if words and (len(words) != 2 or not all(word.isdecimal() for word in words)):
+            raise InputError("expected two whole numbers, for instance 85, 199.")
+        first, last = map(int, words) if words else (None, None)
+        return part_of_frames(first, last, n)
+
+    question = f"Frames with the animal in view: first, last (Enter: all, 0 to {n - 1})"
+    made.frames = put(question, part, may_end=True)
 
 
 def _some_names(answer: str) -> tuple[str, ...]:

@@ -61,13 +61,15 @@ def test_questions_make_a_trial_that_is_read_as_it_was_meant(bare):
             "", "0, 100, 640, 360", "", "FR, HR",  # cam1
             "side", "", "y", "FR, HR",  # cam2
             "", "", "", "FR",  # cam3
+            "2, 9",  # frames
         ),
         say=said.append,
     )  # fmt: skip
     assert path == bare / "trial.toml"
     assert load_trial(path) == Trial(
         kind="paws", name="run 3", fps=250.0, animal=Animal(id="m07", species="mouse"),
-        belt_speed=350.0, folder=bare, calibration=Calibration(dlt="DLTcoefs.csv", unit="mm"),
+        belt_speed=350.0, folder=bare, frames=(2, 10),
+        calibration=Calibration(dlt="DLTcoefs.csv", unit="mm"),
         views=(
             View(name="cam1", video="cam1.avi", crop=(0, 100, 640, 360), points=("FR", "HR")),
             View(name="side", video="cam2.avi", mirror=True, points=("FR", "HR")),
@@ -86,19 +88,22 @@ def test_answers_that_make_no_sense_are_asked_again(bare):
         videos(bare)[:1],
         ask=answer(
             "", "", "dragon", "8", "", "nose, tail", "fast", "0", "1e3", "cm", "4.8", "",
-            "", "0 0 9000 10", "5 5 4 9", "", "maybe", "n",
+            "", "0 0 9000 10", "5 5 4 9", "", "maybe", "n", "5", "7 3", "0 99",
+            f"0, {scene.N_FRAMES - 1}",
         ),
         say=said.append,
     )  # fmt: skip
     trial = load_trial(path)
     assert (trial.name, trial.animal.id, trial.fps) == ("m07 runs", "m07 runs", 1000.0)
     assert trial.views[0].points == ("nose", "tail")
+    assert trial.frames is None
     assert (trial.calibration.px_per_unit, trial.calibration.unit) == (4.8, "cm")
     again = " ".join(said)
     for words in (
         "'dragon' is no animal of the list", "name at least one", "'fast' is no number above 0",
         "'0' is no number above 0", "the picture has 640 x 360 px only",
-        "left must be less than right", "answer y or n",
+        "left must be less than right", "answer y or n", "expected two whole numbers",
+        "frames 7 to 3 are to be used; expected two of frames 0 to",
     ):  # fmt: skip
         assert words in again, words
 

@@ -32,6 +32,7 @@ from pawnb.core.paws.offline.quality.measures import (
 from pawnb.core.paws.offline.quality.one_place import on_one_place_in_space
 from pawnb.core.paws.offline.quality.parameters import LIMITS, QUALITY
 from pawnb.core.paws.offline.quality.time_gaps import TimeGap, find_time_gaps
+from pawnb.core.paws.offline.quality.usable_frames import UsableFrames, find_usable_frames
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 
@@ -84,6 +85,9 @@ class Quality:
         In the order of the tracks.
     gaps : tuple of TimeGap
         Frames that were dropped when the recording was made.
+    usable : UsableFrames, optional
+        The part of the recording that would have a better verdict than the whole, where its ends
+        have hardly a right label.
     """
 
     verdict: Verdict
@@ -94,6 +98,7 @@ class Quality:
     reasons: tuple[str, ...]
     points: tuple[PointQuality, ...]
     gaps: tuple[TimeGap, ...] = field(default=())
+    usable: UsableFrames | None = None
 
     @property
     def has_failed_point(self) -> bool:
@@ -117,7 +122,10 @@ class Quality:
             **shown(self),
             "points": {point.name: shown(point) for point in self.points},
             "dropped_frames": [{"after": g.after, "frames": g.frames} for g in self.gaps],
-        }
+            **({} if self.usable is None else {
+                "usable_frames": [self.usable.first, self.usable.stop]
+            }),
+        }  # fmt: skip
 
     def line(self) -> str:
         """Return the verdict, and what a person should know, in one line.
@@ -128,7 +136,9 @@ class Quality:
         if self.reasons:
             said += " but for " if self.verdict == "good" else ": "
             said += "; ".join(self.reasons)
-        return said if not self.gaps else f"{said}; {self.dropped()}"
+        more = [self.dropped()] if self.gaps else []
+        more += [self.usable.words()] if self.usable is not None else []
+        return "; ".join([said, *more])
 
     def dropped(self) -> str:
         """Return in words which frames the camera dropped."""
@@ -180,11 +190,38 @@ def assess(
     }
     verdict = _verdict(means["expected_right"], limits)
     quality = Quality(
-        verdict, reasons=_told(points), points=points, gaps=find_time_gaps(tracks), **means
+        verdict,
+        reasons=_told(points),
+        points=points,
+        gaps=find_time_gaps(tracks),
+        usable=None,
+        **means,
     )
     if verdict == "good" and quality.has_failed_point:
-        return replace(quality, verdict="look")
-    return quality
+        quality = replace(quality, verdict="look")
+    return replace(quality, usable=_better_part(tracks, labels, chance, quality, limits))
+
+
+def _better_part(
+    tracks: Tracks, labels: Labels, chance: FloatArray, quality: Quality, limits: QualityLimits
+) -> UsableFrames | None:
+    """Return the part of a recording whose verdict would be better than that of the whole."""
+    of_frames = np.mean(
+        [chance[:, _views_of(labels, p), p].mean(axis=1) for p in range(chance.shape[2])], axis=0
+    )
+    part = find_usable_frames(
+        of_frames, tracks["frame"].to_numpy(), clicked=np.asarray(labels.clicked.any(axis=1)),
+        limit=limits.failed,
+    )  # fmt: skip
+    if part is None or max(right for *_, right in part.left_out) > QUALITY.hardly_any:
+        return None
+    better = _rank(_verdict(part.right, limits)) > _rank(quality.verdict)
+    return part if better else None
+
+
+def _rank(verdict: Verdict) -> int:
+    """Return 0 of a verdict that failed, 2 of a good one."""
+    return ("failed", "look", "good").index(verdict)
 
 
 def label_chances(

@@ -107,6 +107,10 @@ class QualityParameters:
         Labels of which less is left are counted where it is named. Set by hand.
     most_reasons : int
         Reasons that are named, at most. Set by hand.
+    hardly_any : float
+        Ends of a recording in which more labels than this are expected to be right are not proposed
+        to be left out. Measured: 0.10 to 0.21 where a horse is not in view yet or no more, 0.27 and
+        0.34 where a fly and a woman are lost though they are in view.
     time_gap : float
         Steps in time longer than so many usual ones are gaps; time stamps are rounded. Set by hand.
     """
@@ -145,6 +149,7 @@ class QualityParameters:
     telling: float = 0.04
     telling_left: float = 0.75
     most_reasons: int = 3
+    hardly_any: float = 0.25
     time_gap: float = 1.5
 
 

@@ -276,6 +276,23 @@ def test_dropped_frames_are_said():
     assert assess(tracks.assign_coords(time=np.arange(N) * 0.01 + jitter)).gaps == ()
 
 
+def test_frames_without_the_animal_are_named_where_the_rest_is_better():
+    """Of 200 frames 60 to 139 are good: 0.4 * 0.95 + 0.6 * 0.1 = 44 % are expected right."""
+    tracks, _ = walk()
+    chance = tracks["image_confidence"]
+    chance.attrs[CALIBRATED] = 1
+    chance[:] = 0.1
+    chance[60:140] = 0.95
+    clicks = pd.DataFrame({"frame": 100, "view": "side", "point": NAMES, "u": 0.0, "v": 0.0})
+    quality = assess(tracks, clicks=clicks)
+    assert (quality.verdict, quality.document()["usable_frames"]) == ("failed", [60, 140])
+    assert quality.line().endswith("write frames = [60, 140] under [trial] and track again")
+    # a person has clicked the animal in one of the others
+    assert assess(tracks, clicks=clicks.assign(frame=10)).usable is None
+    chance[:] = 0.95
+    assert "usable_frames" not in assess(tracks, clicks=clicks).document()
+
+
 def test_the_document_holds_every_point():
     document = json.loads(json.dumps(assess(walk()[0]).document()))
     assert document["verdict"] == "good"
