@@ -220,10 +220,12 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
     # --- the tools ----------------------------------------------------------------------------
 
-    def _start(self, state: TrialState) -> Any:
+    def _start(self, state: TrialState, frame: int | None = None) -> Any:
         """Return the widget that makes the start, and the button that goes on."""
         trial = described(state)
-        tool = (StickPoser if trial.is_jointed else ClickInitialiser)(trial, max_height=self._room)
+        tool = (StickPoser if trial.is_jointed else ClickInitialiser)(
+            trial, frame=frame, max_height=self._room
+        )
         go_on = self._button("Track", lambda: self._track_started(state), main=True)
         return Tool(tool, [go_on])
 
@@ -252,7 +254,19 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         )
         self.session.has_looked(state)
         go_on = self._button("Save, and analyse the gait", lambda: self._reviewed(state), main=True)
-        return Tool(tool, [go_on])
+        frame = self.session.frame_to_click(state, tracks)
+        if frame is None:
+            return Tool(tool, [go_on])
+        text = f"Click frame {frame} as well, and track again"
+        return Tool(tool, [go_on, self._button(text, lambda: self._click_also(state, frame))])
+
+    def _click_also(self, state: TrialState, frame: int) -> None:
+        """Open the clicks of a trial at the frame in which more of them help most."""
+        self._open(lambda: self._start(state, frame))
+        self._tell(
+            f"Click the points that can be seen in frame {frame}, then Track. What was clicked "
+            "before is kept."
+        )
 
     def _reviewed(self, state: TrialState) -> None:
         """Save what was corrected, and go on to the gait."""

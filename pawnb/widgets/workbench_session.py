@@ -14,6 +14,7 @@ from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.provenance.results import read_result_tracks, results_folder
 from pawnb.workflow.reviewing.quality import assess_quality
+from pawnb.workflow.reviewing.suggest import suggest_frames
 from pawnb.workflow.tracking.track import track
 from pawnb.workflow.workbench.states import (
     Step,
@@ -161,6 +162,30 @@ class WorkbenchSession:
         """Return the verdict on the tracks of a trial, in words."""
         path = results_folder(described(state)) / "tracks.nc"
         return assess_quality(read_result_tracks(path)).line() if path.exists() else ""
+
+    def frame_to_click(self, state: TrialState, tracks: Tracks) -> int | None:
+        """Return the frame whose clicks would help most; None where the tracks are good.
+
+        Parameters
+        ----------
+        state : TrialState
+            The trial.
+        tracks : xarray.Dataset
+            Its tracks.
+
+        Returns
+        -------
+        int or None
+            The frame; None as well where tracks were made elsewhere, or are of a jointed animal.
+        """
+        trial = described(state)
+        if trial.is_jointed or trial.is_tracked_elsewhere:
+            return None
+        quality = assess_quality(tracks)
+        if quality.verdict == "good" and not quality.poor_points:
+            return None
+        named = suggest_frames(trial, tracks, n=1)["frame"]
+        return int(named.iloc[0]) if len(named) else None
 
     def figures(self, state: TrialState) -> list[Path]:
         """Return the pictures of a trial's results, in the order of their names."""

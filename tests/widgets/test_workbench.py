@@ -148,10 +148,22 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     assert (described / "results" / "events.csv").exists()
     (state,) = bench.session.states
     assert state.next_step == "look"
+    assert "strides of" in said(bench)
+    # clicks in another frame are offered where the tracks are not good, and open there
+    tracks = bench.session.tracks(state)
+    sure = tracks.copy(deep=True)
+    sure["image_confidence"][:] = 1.0
+    assert bench.session.frame_to_click(state, sure) is None
+    frame = bench.session.frame_to_click(state, tracks)
+    assert frame == pawnb.suggest_frames(described, tracks)["frame"][0]
+    bench._click_also(state, frame)
+    assert isinstance(bench.tool.tool, ClickInitialiser)
+    assert bench.tool.tool.frame == frame
+    assert len(bench.tool.tool.start) == len(clicks().splitlines()) - 1
     # what was corrected is in the tracks that were analysed
     saved = bench.session.tracks(state)
     assert saved["image_position"].values[5, 0, :, 0, 0].tolist() == [round(u, 3), round(v, 3)]
-    assert "strides of" in said(bench)
+    assert f"seen in frame {frame}, then Track" in said(bench)
 
 
 def test_what_cannot_be_done_is_said_and_changes_nothing(bare, opened):
