@@ -332,7 +332,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
         def then() -> None:
             self.do("look", state.folder)
-            self._tell(" ".join(run.text().splitlines()[:2]))
+            self._tell("; ".join(run.text().splitlines()[:2]))
 
         return then
 
