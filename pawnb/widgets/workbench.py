@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -11,6 +10,8 @@ from typing import Any
 import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
+from pawnb.schema import Tracks
+from pawnb.widgets.background_work import BackgroundWork
 from pawnb.widgets.calibration_form import CalibrationForm
 from pawnb.widgets.click_initialiser import ClickInitialiser
 from pawnb.widgets.gait_explorer import GaitExplorer
@@ -52,6 +53,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         The trials; works without a browser.
     tool : widget or None
         What is open below the list.
+    work : BackgroundWork
+        What is being done without a person.
 
     Raises
     ------
@@ -70,19 +73,17 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self.session = WorkbenchSession(folder)
         self.tool: Any = None
         self._first = 0  # of the list, where there are more trials than it shows
-        self._worker: threading.Thread | None = None
         self._around = Surroundings()
         self._told = widgets.Label()
         self._told.add_class("pawnb-wrap")
         self._list, self._desk = widgets.VBox(), widgets.VBox()
-        self._bar = widgets.IntProgress(layout={"width": "20em"})
-        self._doing = widgets.Label()
-        self._stop = self._button("Stop", lambda: self.session.stop.set(), icon="stop")
-        self._busy = widgets.HBox([self._bar, self._doing, self._stop], layout=ROW)
-        self._busy.layout.display = "none"
+        stop = self._button("Stop", lambda: self.session.stop.set(), icon="stop")
+        self.work = BackgroundWork(
+            stop, around=self.look_again, failed=partial(self._tell, wrong=True)
+        )
         self._head = widgets.HBox(layout=ROW)
         self.children = (
-            self._around, self._head, self._list, self._busy, self._told, self._desk
+            self._around, self._head, self._list, self.work, self._told, self._desk
         )  # fmt: skip
         # words on what is wrong have another colour on a dark page
         self._around.observe(lambda _: self._show_list(), names="dark")
@@ -142,8 +143,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def close(self) -> None:
         """Take the workbench away, and end what is being done."""
         self.session.stop.set()
-        if self._worker is not None and self._worker is not threading.current_thread():
-            self._worker.join()
+        self.work.wait()
         self._put_away()
         super().close()
 
@@ -254,11 +254,28 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         )
         self.session.has_looked(state)
         go_on = self._button("Save, and analyse the gait", lambda: self._reviewed(state), main=True)
-        frame = self.session.frame_to_click(state, tracks)
-        if frame is None:
-            return Tool(tool, [go_on])
-        text = f"Click frame {frame} as well, and track again"
-        return Tool(tool, [go_on, self._button(text, lambda: self._click_also(state, frame))])
+        return Tool(tool, [go_on, *self._to_mend(state, tracks)])
+
+    def _to_mend(self, state: TrialState, tracks: Tracks) -> list[Any]:
+        """Return buttons for what would make tracks better that are not good."""
+        buttons = []
+        if (part := self.session.frames_to_use(state, tracks)) is not None:
+            text = f"Animal is in view in frames {part[0]} to {part[1] - 1} only: track these"
+            buttons.append(self._button(text, lambda: self._use_frames(state, part)))
+        if (frame := self.session.frame_to_click(state, tracks)) is not None:
+            text = f"Click frame {frame} as well, and track again"
+            buttons.append(self._button(text, lambda: self._click_also(state, frame)))
+        return buttons
+
+    def _use_frames(self, state: TrialState, frames: tuple[int, int]) -> None:
+        """Track a part of the recording only."""
+        if self.tool.tool.corrected.corrections:
+            raise InputError(
+                "corrections were made; take them back first, or write the frames into trial.toml "
+                "yourself."
+            )
+        self.session.use_frames(state, frames)
+        self.do("track", state.folder)
 
     def _click_also(self, state: TrialState, frame: int) -> None:
         """Open the clicks of a trial at the frame in which more of them help most."""
@@ -318,7 +335,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _track(self, state: TrialState) -> Callable[[], None]:
         """Track a trial; gives what to do then."""
-        said = self.session.track(state, self._progress)
+        said = self.session.track(state, self.work.progress)
 
         def then() -> None:
             self.do("review", state.folder)
@@ -341,41 +358,20 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self._put_away()
 
         def work() -> Callable[[], None]:
-            said = self.session.track_all(self._progress)
+            said = self.session.track_all(self.work.progress)
             return lambda: self._tell(text_of(said))
 
         self._begin("tracking", work)
 
     def _begin(self, doing: str, work: Callable[[], Callable[[], None]]) -> None:
         """Do something off this thread, and then what it gives."""
-        if self._worker is not None and self._worker.is_alive():
-            raise InputError("something is being done already; wait, or press Stop.")
-        self.look_again()
+
+        def guarded() -> Callable[[], None]:
+            then = work()
+            return lambda: self._guard(then)
+
         self._tell("")
-        self._doing.value, self._bar.value = f"{doing} ...", 0
-        self._busy.layout.display = None
-
-        def run() -> None:
-            then: Callable[[], None] | None = None
-            try:
-                then = work()
-            except (PawnbError, OSError) as error:
-                self._tell(str(error), wrong=True)
-            except KeyboardInterrupt:
-                self._tell("stopped before anything was tracked.", wrong=True)
-            finally:
-                self._busy.layout.display = "none"
-                self.look_again()
-            if then is not None:
-                self._guard(then)
-
-        self._worker = threading.Thread(target=run, daemon=True)
-        self._worker.start()
-
-    def _progress(self, done: int, total: int, doing: str = "") -> None:
-        """Show how far the work is."""
-        self._bar.max, self._bar.value = max(1, total), done
-        self._doing.value = f"{doing or 'tracking'}: {done} of {total} frames"
+        self.work.begin(doing, guarded)
 
     @property
     def _room(self) -> int:

@@ -23,6 +23,7 @@ from pawnb.workflow.workbench.states import (
     find_videos,
     what_is_wrong,
 )
+from pawnb.workflow.workbench.used_frames import write_frames
 
 Progress = Callable[..., None]
 
@@ -179,13 +180,37 @@ class WorkbenchSession:
             The frame; None as well where tracks were made elsewhere, or are of a jointed animal.
         """
         trial = described(state)
-        if trial.is_jointed or trial.is_tracked_elsewhere:
+        if not _is_clicked(trial):
             return None
         quality = assess_quality(tracks)
         if quality.verdict == "good" and not quality.poor_points:
             return None
         named = suggest_frames(trial, tracks, n=1)["frame"]
         return int(named.iloc[0]) if len(named) else None
+
+    def frames_to_use(self, state: TrialState, tracks: Tracks) -> tuple[int, int] | None:
+        """Return the frames whose verdict would be better than that of all; None without such.
+
+        Parameters
+        ----------
+        state : TrialState
+            The trial.
+        tracks : xarray.Dataset
+            Its tracks.
+
+        Returns
+        -------
+        tuple of int or None
+            The first frame and one past the last; None as well where tracks were made elsewhere,
+            or are of a jointed animal.
+        """
+        usable = assess_quality(tracks).usable if _is_clicked(described(state)) else None
+        return None if usable is None else (usable.first, usable.stop)
+
+    def use_frames(self, state: TrialState, frames: tuple[int, int]) -> None:
+        """Write into ``trial.toml`` which frames are used."""
+        write_frames(described(state), frames)
+        self.refresh()
 
     def figures(self, state: TrialState) -> list[Path]:
         """Return the pictures of a trial's results, in the order of their names."""
@@ -194,6 +219,11 @@ class WorkbenchSession:
     def wrong(self, state: TrialState) -> list[str]:
         """Say what is to be mended or looks wrong."""
         return what_is_wrong(state)
+
+
+def _is_clicked(trial: Trial) -> bool:
+    """Tell whether a trial is tracked here, from clicked points."""
+    return not (trial.is_jointed or trial.is_tracked_elsewhere)
 
 
 def text_of(findings: Sequence[str]) -> str:

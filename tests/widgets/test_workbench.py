@@ -137,14 +137,14 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     bench = opened(described.parent)
     assert [s.next_step for s in bench.session.states] == ["track"]
     bench.do("track", described)
-    bench._worker.join(120)
+    bench.work.wait(120)
     assert "small: tracked 40 frames" in said(bench)
     review = bench.tool.tool
     assert isinstance(review, TrackReviewer)
     u, v = scene.seen(5)[0, 0]
     review.edit("moved", {"frame": 5, "view": "cam1", "point": "FR", "u": u, "v": v})
     bench._reviewed(bench.session.state(described))
-    bench._worker.join(120)
+    bench.work.wait(120)
     assert (described / "results" / "events.csv").exists()
     (state,) = bench.session.states
     assert state.next_step == "look"
@@ -157,6 +157,17 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     assert bench.session.frame_to_click(state, sure) is None
     frame = bench.session.frame_to_click(state, tracks)
     assert frame == pawnb.suggest_frames(described, tracks)["frame"][0]
+    # and the frames in which the animal is in view, where the others have hardly a right label
+    assert bench.session.frames_to_use(state, tracks) is None
+    part = sure.copy(deep=True)
+    part["image_confidence"][16:] = 0.0
+    assert bench.session.frames_to_use(state, part) == (0, 16)
+    bench._open(lambda: bench._review(state))
+    with pytest.raises(InputError, match="corrections were made; take them back first"):
+        bench._use_frames(state, (0, 16))
+    assert pawnb.load_trial(described).frames is None
+    bench.session.use_frames(state, (0, 16))
+    assert pawnb.load_trial(described).frames == (0, 16)
     bench._click_also(state, frame)
     assert isinstance(bench.tool.tool, ClickInitialiser)
     assert bench.tool.tool.frame == frame
@@ -179,7 +190,7 @@ def test_what_cannot_be_done_is_said_and_changes_nothing(bare, opened):
     with pytest.raises(InputError, match="no trial there"):
         bench.do("track", bare.parent / "none")
     bench.do("track", bare)
-    bench._worker.join(60)
+    bench.work.wait(60)
     assert "did you mean 'fps'" in said(bench)
     with pytest.raises(InputError, match="no such folder"):
         WorkbenchSession(bare / "none")

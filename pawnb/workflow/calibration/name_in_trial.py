@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import re
 import tomllib
 from pathlib import Path
 
@@ -11,6 +9,7 @@ from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Trial, load_trial
+from pawnb.trial.one_field import with_field
 from pawnb.workflow.calibration.written import Written
 
 WAIT_FOR_TRIAL_S = 5.0
@@ -70,7 +69,7 @@ def _put(path: Path, fields: dict[str, str]) -> None:
         section.pop("lens", None)
     after = before
     for name in ("dlt", "pixels", "lens"):
-        after = with_field(after, name, fields.get(name))
+        after = with_field(after, "calibration", name, value=fields.get(name))
     try:
         is_right = tomllib.loads(after) == expected
     except tomllib.TOMLDecodeError:
@@ -82,36 +81,3 @@ def _put(path: Path, fields: dict[str, str]) -> None:
             "there yourself."
         )
     write_text(after, path)
-
-
-def with_field(text: str, name: str, value: str | float | None) -> str:
-    """Return the text of a trial with another field of its ``[calibration]``.
-
-    Parameters
-    ----------
-    text : str
-        The text of a ``trial.toml``.
-    name : str
-        The field.
-    value : str, float or None
-        What it is to be; None takes it out.
-
-    Returns
-    -------
-    str
-        The text, with a section ``[calibration]`` at its end where it had none.
-    """
-    line = "" if value is None else f"{name} = {json.dumps(value, ensure_ascii=False)}\n"
-    section = re.search(r"^\[calibration\][^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE)
-    if section is None:
-        return f"{text.rstrip()}\n\n[calibration]\n{line}" if line else text
-    body = section.group(1)
-    changed, count = re.subn(
-        rf"^{name}[ \t]*=[^\n]*?([ \t]*#[^\n]*)?(\n|\Z)",
-        lambda found: line and f"{line[:-1]}{found.group(1) or ''}\n",
-        body,
-        flags=re.MULTILINE,
-    )
-    if not count:
-        changed = f"{line}{body}"
-    return text[: section.start(1)] + changed + text[section.end(1) :]

@@ -12,7 +12,8 @@ from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Calibration, Trial, load_trial
-from pawnb.workflow.calibration.name_in_trial import WAIT_FOR_TRIAL_S, with_field
+from pawnb.trial.one_field import with_field
+from pawnb.workflow.calibration.name_in_trial import WAIT_FOR_TRIAL_S
 from pawnb.workflow.start.propose_pose import trial_background
 
 
@@ -104,8 +105,8 @@ def _put_scale(path: Path, value: float, known: Calibration) -> None:
     section["px_per_unit"] = value
     start = before
     if "calibration" not in parse_toml(before, where=str(path)):
-        start = with_field(before, "unit", "mm")
-    after = with_field(start, "px_per_unit", value)
+        start = with_field(before, "calibration", "unit", value="mm")
+    after = with_field(start, "calibration", "px_per_unit", value=value)
     try:
         is_right = tomllib.loads(after) == expected
     except tomllib.TOMLDecodeError:

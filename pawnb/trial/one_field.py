@@ -1,0 +1,47 @@
+"""One field of the text of a ``trial.toml``, everything else in it left as it is."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+
+
+def with_field(
+    text: str, section: str, name: str, *, value: str | float | Sequence[int] | None
+) -> str:
+    """Return the text of a trial with another field in a section.
+
+    What a person wrote in another way than line by line may come out wrong: read the text again,
+    and compare, before it is written.
+
+    Parameters
+    ----------
+    text : str
+        The text of a ``trial.toml``.
+    section : str
+        The section, as ``calibration``.
+    name : str
+        The field.
+    value : str, float, sequence of int or None
+        What it is to be; None takes it out.
+
+    Returns
+    -------
+    str
+        The text, with the section at its end where it had none.
+    """
+    line = "" if value is None else f"{name} = {json.dumps(value, ensure_ascii=False)}\n"
+    found = re.search(rf"^\[{re.escape(section)}\][^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE)
+    if found is None:
+        return f"{text.rstrip()}\n\n[{section}]\n{line}" if line else text
+    body = found.group(1)
+    changed, count = re.subn(
+        rf"^{name}[ \t]*=[^\n]*?([ \t]*#[^\n]*)?(\n|\Z)",
+        lambda old: line and f"{line[:-1]}{old.group(1) or ''}\n",
+        body,
+        flags=re.MULTILINE,
+    )
+    if not count:
+        changed = f"{line}{body}"
+    return text[: found.start(1)] + changed + text[found.end(1) :]
