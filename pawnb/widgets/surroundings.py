@@ -40,6 +40,10 @@ class Surroundings(anywidget.AnyWidget):
         super().__init__()
         self.on_msg(self._receive)
 
+    def bring(self) -> None:
+        """Scroll to what has the class ``pawnb-next`` beside this line, if it begins above."""
+        self.send({"type": "bring"})
+
     def _receive(self, _widget: Any, message: dict[str, Any], _buffers: Any) -> None:
         """Answer the browser, which asks whether anybody is there."""
         if message.get("type") == "hello":

@@ -75,7 +75,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self._first = 0  # of the list, where there are more trials than it shows
         self._around = Surroundings()
         self._told = widgets.Label()
-        self._told.add_class("pawnb-wrap")
+        self._told.add_class("pawnb-wrap").add_class("pawnb-next")
         self._list, self._desk = widgets.VBox(), widgets.VBox()
         stop = self._button("Stop", lambda: self.session.stop.set(), icon="stop")
         self.work = BackgroundWork(
@@ -323,6 +323,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self.tool = tool
         self._desk.children = (tool,)
         self._tell("")
+        self._around.bring()
 
     def _put_away(self) -> None:
         """Close the tool that is open."""

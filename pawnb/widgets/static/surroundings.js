@@ -2,6 +2,9 @@
 // that are pressed in the plots are left to them.
 // Joined behind connection.js by surroundings.py.
 
+const NEXT = "pawnb-next"; // the class of where what is opened begins
+const HEADS_PX = 100; // menus and tools of a notebook
+
 // The first colour behind an element that covers what is behind it.
 function isDark(el) {
   for (let at = el; at; at = at.parentElement) {
@@ -39,6 +42,13 @@ export default {
       if (el.parentElement && el.parentElement.contains(target)) target.dataset.lmSuppressShortcuts = "true";
     };
     document.addEventListener("focusin", keep);
+    // what was opened begins above what is in sight, where the one before it was looked at below
+    const bring = ({ type }) => {
+      const next = el.parentElement && el.parentElement.querySelector(`.${NEXT}`);
+      if (type === "bring" && next && next.getBoundingClientRect().top < HEADS_PX)
+        next.scrollIntoView({ block: "start" });
+    };
+    model.on("msg:custom", bring);
     const room = new ResizeObserver(look);
     room.observe(el);
     const theme = new MutationObserver(look);
@@ -50,6 +60,7 @@ export default {
       theme.disconnect();
       window.removeEventListener("resize", look);
       document.removeEventListener("focusin", keep);
+      model.off("msg:custom", bring);
       connection.close();
     };
   },
