@@ -112,7 +112,8 @@ def _samples(
     colour = None if stack.colour is None else stack.colour[row]
     turned = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     if varied:
-        grey, colour, turned = vary_picture(grey, colour, random)
+        most = LEARNT.copies_turn_deg, LEARNT.copies_scale
+        grey, colour, turned = vary_picture(grey, colour, random, most=most)
     features = PictureFeatures(grey, colour, stack.spacing)
     h, w = features.shape
     label = np.zeros((h, w), int)
@@ -149,7 +150,11 @@ def _distances(stack: BodyStack, shape: tuple[int, int], xy: FloatArray) -> Floa
 
 
 def vary_picture(
-    grey: ByteArray, colour: AnyArray | None, random: np.random.Generator
+    grey: ByteArray,
+    colour: AnyArray | None,
+    random: np.random.Generator,
+    *,
+    most: tuple[float, float],
 ) -> tuple[AnyArray, AnyArray | None, AnyArray]:
     """Return a picture turned, scaled, shifted and lit differently, and the map to it.
 
@@ -161,6 +166,8 @@ def vary_picture(
         Its colours.
     random : Generator
         Where chance comes from.
+    most : tuple of float
+        How far it is turned at most, degrees, and scaled, as a share, either way.
 
     Returns
     -------
@@ -172,8 +179,8 @@ def vary_picture(
     height, width = grey.shape
     turned = cv2.getRotationMatrix2D(
         (width / 2, height / 2),
-        random.uniform(-LEARNT.copies_turn_deg, LEARNT.copies_turn_deg),
-        random.uniform(1 - LEARNT.copies_scale, 1 + LEARNT.copies_scale),
+        random.uniform(-most[0], most[0]),
+        random.uniform(1 - most[1], 1 + most[1]),
     )
     turned = np.hstack(
         [

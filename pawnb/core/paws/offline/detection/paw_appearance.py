@@ -348,7 +348,8 @@ def _lots(
     for copy in range(picture.copies):
         seen, shade, turned = level, colour, np.eye(2, 3)
         if copy:
-            seen, shade, turned = vary_picture(level, colour, random)
+            most = LEARNT.paw_turn_deg, LEARNT.paw_scale
+            seen, shade, turned = vary_picture(level, colour, random, most=most)
         features = feature_maps(seen, shade, LEARNT.paw_spacing_px)
         h, w = features.shape[:2]
         near, may = (

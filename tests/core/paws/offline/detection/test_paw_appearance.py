@@ -2,17 +2,23 @@
 
 from types import SimpleNamespace
 
+import cv2
 import numpy as np
 import pytest
 
 from pawnb.core.paws.layout import Placement
+from pawnb.core.paws.offline.detection import paw_appearance
+from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.detection.paw_appearance import (
     PawLook,
     _KnownClassifier,
+    _lots,
+    _Picture,
     _Reading,
     clicked_lessons,
     tracked_lessons,
 )
+from pawnb.core.paws.offline.parameters import AppearanceParameters
 
 BRIGHTNESS = 4
 """Column of the features that is the smoothed brightness of the place itself."""
@@ -44,6 +50,29 @@ def test_a_position_is_found_again_at_the_working_scale():
     """A mirrored picture, twice as large: the first column is the last one there."""
     reading = _Reading(2.0, True, 0.0, 255.0, is_colour=False)
     np.testing.assert_allclose(reading.place(np.array([[0.0, 3.0]]), 50), [[98.5, 6.5]])
+
+
+def test_copies_of_a_click_are_turned_as_paws_in_swing_are_and_labels_turn_with_them(monkeypatch):
+    """A flat bright bar: its axis in each copy is that of its second moments."""
+    picture = np.full((240, 320), 10, np.uint8)
+    cv2.ellipse(picture, (220, 140), (24, 10), 0, 0, 360, 250, -1)
+    shown = []
+
+    def brightness(grey, colour, spacing):
+        shown.append(grey)
+        return grey[spacing // 2 :: spacing, spacing // 2 :: spacing, None]
+
+    monkeypatch.setattr(paw_appearance, "feature_maps", brightness)
+    clicked = _Picture(0, picture, np.array([[220.0, 140.0]]), np.empty((0, 2)), 64, True)
+    reading = _Reading(1.0, False, 0.0, 255.0, is_colour=False)
+    lots = _lots(clicked, reading, np.random.default_rng(0), AppearanceParameters())
+    assert all(values[labels == 1].min() > 120 for values, labels in lots)
+    moments = [cv2.moments((grey > 120).astype(np.uint8), binaryImage=True) for grey in shown]
+    axes = np.rad2deg([np.arctan2(2 * m["mu11"], m["mu20"] - m["mu02"]) / 2 for m in moments])
+    assert abs(axes[0]) < 1
+    # of 63 even draws the outermost two leave a thirty-second of the range, on average
+    assert np.ptp(axes) > 0.85 * 2 * LEARNT.paw_turn_deg
+    assert np.abs(axes).max() < LEARNT.paw_turn_deg + 1
 
 
 def scene(anchors=None):

@@ -91,7 +91,8 @@ def test_paws_in_a_grey_film_are_tracked(scene, tracked):
     assert wrong(in_pictures(tracks), truth, trial) < 0.4 * stays
     assert stays > 0.5
     assert done[-1] == (N, N)
-    assert all(a[0] <= b[0] for a, b in itertools.pairwise(done))
+    # a point of so short a recording may be expected lost: one further way is tried, from its start
+    assert sum(a[0] > b[0] for a, b in itertools.pairwise(done)) <= 1
 
 
 class Unread:
