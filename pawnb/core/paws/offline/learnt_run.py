@@ -27,6 +27,7 @@ from pawnb.core.paws.offline.reuse.retracking import (
     weighing_as_attributes,
     weighing_of,
 )
+from pawnb.core.paws.offline.scene.extents import with_extents
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.self_training.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.self_training.weighing import Weighing, weigh
@@ -166,6 +167,7 @@ def _run_before(
         return None
     placed = read_start(start, layout, task.frames)
     own = [annotations_of_view(placed, v, task.frames[0]) for v in range(len(layout.views))]
+    own = with_extents(own, layout.sizes, layout.rig)
     used = [v for v, annotations in enumerate(own) if annotations.rows]
     kept = stacks.find(
         [layout.views[v] for v in used], [own[v] for v in used],
@@ -260,6 +262,9 @@ class _Run:
                 for a, whole in zip(placed, self.found, strict=True)
             ]
             for placed in (self.placed, self.framing)
+        )
+        own, framing = (
+            with_extents(placed, self.layout.sizes, self.layout.rig) for placed in (own, framing)
         )
         used = [v for v, annotations in enumerate(own) if annotations.rows]
         if not used:
