@@ -13,9 +13,9 @@ the same frames (as in tracking_speed.py). *again after a correction* is :func:`
 point that was put in place by hand, ``--again`` frames before its next click. *a click added* is
 :func:`pawnb.track` (``quick=True``) with clicks in one frame more: they are the marks of
 ``marks.csv`` beside the trial in the marked frame that is nearest, else where the first run put the
-points, which is enough to take time. Both find pictures and flow kept in the session, and go on
-from what the run before has learnt, where these pictures serve for the new clicks; *read anew* is
-said where they do not. By colour and strides all frames are decided upon again, but none is
+points, which is enough to take time. Both go on from what the run before has learnt, with the
+pictures and flow kept in the session where these show the new clicks; *read anew* is said where
+nothing of that run serves. By colour and strides all frames are decided upon again, but none is
 decoded; a click that is added there is a first run.
 
 The clock tells what a person waits for; where other programs run, processor time tells more.

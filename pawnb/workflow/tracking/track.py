@@ -58,8 +58,10 @@ def track(
     quick : bool
         Where points are found by what is learnt in the recording, and clicks were only added since
         the last run in this session: go on from that, which takes seconds, and track only what lies
-        between the clicks on either side. A run from all clicks may be right more often (on one of
-        three real clips 91 instead of 75 % of marks), and is what others can repeat.
+        between the clicks on either side; where the pictures that it kept do not show what was
+        clicked, others are read and all frames are tracked. A run from all clicks may be right
+        more often (on one of three real clips 91 instead of 75 % of marks), and is what others can
+        repeat.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook. One that takes
         ``doing``, too, is told in words what is done: "tracking", "deciding", or in a first run

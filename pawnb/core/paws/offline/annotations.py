@@ -19,9 +19,13 @@ class Annotations:
     ----------
     places : mapping
         Row (frame, counted from the first that is tracked) to point number to (u, v).
+    whole_extent : float, optional
+        How large the whole animal is, px, where calibrated views tell it
+        (:mod:`.scene.extents`): more than the distance of those points that this one shows.
     """
 
     places: Mapping[int, Mapping[int, np.ndarray]]
+    whole_extent: float | None = None
 
     @property
     def rows(self) -> list[int]:
@@ -39,18 +43,23 @@ class Annotations:
 
     def without(self, row: int) -> Annotations:
         """Return all but one frame."""
-        return Annotations({r: here for r, here in self.places.items() if r != row})
+        places = {r: here for r, here in self.places.items() if r != row}
+        return Annotations(places, self.whole_extent)
 
     def part(self, begin: int, end: int) -> Annotations:
         """Return the rows from ``begin`` up to ``end``, counted from ``begin``."""
-        return Annotations({r - begin: here for r, here in self.places.items() if begin <= r < end})
+        places = {r - begin: here for r, here in self.places.items() if begin <= r < end}
+        return Annotations(places, self.whole_extent)
 
     def extent(self) -> float:
         """Return the largest distance of two points in one frame, the median over frames; or NaN.
 
         Frames in which only a part of the points could be placed say too little, so only
         those with the most points count. Where each frame has one, all frames together do.
+        What all calibrated views say together goes before it.
         """
+        if self.whole_extent is not None:
+            return self.whole_extent
         most = max((len(here) for here in self.places.values()), default=0)
         if most < 2:
             uv = np.array([uv for here in self.places.values() for uv in here.values()])

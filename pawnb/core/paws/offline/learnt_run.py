@@ -20,13 +20,20 @@ from pawnb.core.paws.offline.detection.predictions import predictions_as_detecti
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import RUN, OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track, run_pipeline, view_track
-from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, RunBefore, fits
+from pawnb.core.paws.offline.reuse.kept_evidence import (
+    GONE_ON_FROM,
+    KeptStacks,
+    RunBefore,
+    fits,
+    same_size,
+)
 from pawnb.core.paws.offline.reuse.retracking import (
     Again,
     after_clicks,
     weighing_as_attributes,
     weighing_of,
 )
+from pawnb.core.paws.offline.scene.extents import with_extents
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.self_training.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.self_training.weighing import Weighing, weigh
@@ -72,9 +79,10 @@ def track_learnt(
     stacks : KeptStacks, optional
         Pictures and flow of the last run on the same recording; those of this one go there. If
         clicks were only added since that run, nothing is decoded, the frames up to the clicks on
-        either side are tracked anew, and all others are as they were. If not, this run is one as
-        if there had been none before; but what is tracked again or framed by earlier clicks takes
-        what is there and fits.
+        either side are tracked anew, and all others are as they were. Where its pictures do not
+        show what was added, others are read and all frames are tracked anew, from what that run
+        has learnt. If not, this run is one as if there had been none before; but what is tracked
+        again or framed by earlier clicks takes what is there and fits.
     again : Again, optional
         Frames that are to be tracked again; all others are missing in what is returned.
 
@@ -103,7 +111,8 @@ def track_learnt(
     if alone and before is None:
         stacks.forget()
     if before is not None:
-        again = after_clicks(before.tracks, before.starts[-1], start)
+        seen = _shown(stacks, start, layout, task=task, parameters=parameters)
+        again = after_clicks(before.tracks, before.starts[-1], start, everywhere=not seen)
     run = _Run(
         views, layout, task, parameters, placed, _framed_by(looked, layout, task) or placed,
         [no_track(n, len(layout.points)) for _ in layout.views], stacks, again,
@@ -142,7 +151,7 @@ def goes_on(
     Returns
     -------
     bool
-        Whether frames beyond the neighbouring clicks would stay as that run left them.
+        Whether what that run has learnt would be taken on.
     """
     layout = make_layout(views, start, task, settings=Maghsoudi2019Settings())
     return (
@@ -158,20 +167,39 @@ def _run_before(
     task: TrackingRequest,
     parameters: OfflineParameters,
 ) -> RunBefore | None:
-    """Return the last run, if clicks were only added since, within the pictures that are kept."""
+    """Return the last run, if clicks were only added since, to an animal of the same size."""
     before = stacks.run_before(_asked(layout, task, parameters))
     if before is None or task.frames[1] - task.frames[0] > RUN.window_rows:
         return None
     if after_clicks(before.tracks, before.starts[-1], start) is None:
         return None
-    placed = read_start(start, layout, task.frames)
-    own = [annotations_of_view(placed, v, task.frames[0]) for v in range(len(layout.views))]
+    old, new = (_placed(clicks, layout, task) for clicks in (before.starts[-1], start))
+    return before if same_size(old, new) else None
+
+
+def _shown(
+    stacks: KeptStacks,
+    start: pd.DataFrame,
+    layout: Layout,
+    *,
+    task: TrackingRequest,
+    parameters: OfflineParameters,
+) -> bool:
+    """Tell whether the pictures that are kept show all that was placed."""
+    own = _placed(start, layout, task)
     used = [v for v, annotations in enumerate(own) if annotations.rows]
     kept = stacks.find(
         [layout.views[v] for v in used], [own[v] for v in used],
         frames=task.frames, parameters=parameters.scene,
     )  # fmt: skip
-    return None if kept is None else before
+    return kept is not None
+
+
+def _placed(start: pd.DataFrame, layout: Layout, task: TrackingRequest) -> list[Annotations]:
+    """Return what clicks place in each view, with the extent of the animal."""
+    placed = read_start(start, layout, task.frames)
+    own = [annotations_of_view(placed, v, task.frames[0]) for v in range(len(layout.views))]
+    return with_extents(own, layout.sizes, layout.rig)
 
 
 def _asked(layout: Layout, task: TrackingRequest, parameters: OfflineParameters) -> str:
@@ -190,8 +218,7 @@ def _framed_by(
     if looked is None or not len(looked):
         return None
     inside = looked[looked["frame"].between(task.frames[0], task.frames[1] - 1)]
-    placed = read_start(inside, layout, task.frames)
-    return [annotations_of_view(placed, v, task.frames[0]) for v in range(len(layout.views))]
+    return _placed(inside, layout, task)
 
 
 @dataclass
@@ -260,6 +287,9 @@ class _Run:
                 for a, whole in zip(placed, self.found, strict=True)
             ]
             for placed in (self.placed, self.framing)
+        )
+        own, framing = (
+            with_extents(placed, self.layout.sizes, self.layout.rig) for placed in (own, framing)
         )
         used = [v for v, annotations in enumerate(own) if annotations.rows]
         if not used:

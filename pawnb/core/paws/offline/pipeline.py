@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import functools
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pawnb.arrays import BoolArray, Float32Array, FloatArray
+from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.association.forward_backward import Posterior
@@ -16,11 +18,11 @@ from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_tracks,
 )
 from pawnb.core.paws.offline.detection.appearance import (
-    Lesson,
     appearance_maps,
     clicked_lessons,
     learn_appearance,
 )
+from pawnb.core.paws.offline.detection.classifier import Classifier
 from pawnb.core.paws.offline.detection.correlation import detect_by_correlation
 from pawnb.core.paws.offline.detection.evidence import Detections, paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
@@ -175,12 +177,18 @@ def run_pipeline(
     again = all(view.earlier is not None for view in views)
     parameters = parameters.again() if again else parameters
     learning, powers = parameters.appearance, weighing.powers
-    works = [_Work(view, begin, end, parameters, weighing) for view in views]
+    works = on_threads(lambda view: _Work(view, begin, end, parameters, weighing), views)
+    meanwhile: list[Callable[[], None]] = []
     for work in works if again else []:
         work.take_earlier()
+        meanwhile.append(work.correlate_earlier)
     for round_ in range(learning.rounds):
+        # a view learns on one thread: the others learn, or are correlated, meanwhile
+        meanwhile[:0] = [functools.partial(work.learn, n_points) for work in works]
+        on_threads(lambda part: part(), meanwhile)
+        meanwhile.clear()
         for work in works:
-            work.look(n_points)
+            work.look()
         last = round_ + 1 == learning.rounds
         posteriors = associate(
             [work.evidence(powers.appearance) for work in works], radius=radius,
@@ -226,6 +234,7 @@ class _Work:
         )
         self.lessons, self.others = dict(self.clicked), self.motion
         self.learnt = Learnt()
+        self.classify: Classifier
         self.looks: dict[int, np.ndarray] = {}
         self.posteriors: dict[int, Posterior] = {}
         self.estimates: dict[int, Estimates] = {}
@@ -238,13 +247,23 @@ class _Work:
         self.lessons = {**earlier.learnt.working(stack), **self.clicked}
         masses = {p: earlier.mean_mass(stack, p, prior) for p, prior in self.priors.items()}
         self.priors = prior_from_tracks(masses, self.priors, self.radius)
-        self._hear_correlation(self._correlated(), earlier.learnt.agreement)
 
-    def look(self, n_points: int) -> None:
-        """Learn what points look like, and look for them."""
-        self.looks = _appearance(
-            self.whole, self.lessons, n_points, self.parameters, rows=range(self.begin, self.end)
+    def correlate_earlier(self) -> None:
+        """Hear correlation, as far as it agreed with what an earlier run has found."""
+        self._hear_correlation(self._correlated(), self.learnt.agreement)
+
+    def learn(self, n_points: int) -> None:
+        """Learn what points look like."""
+        self.classify = learn_appearance(
+            self.whole.stack, self.lessons, n_points=n_points, parameters=self.parameters.appearance
         )
+
+    def look(self) -> None:
+        """Look for points by their appearance."""
+        self.looks = appearance_maps(
+            self.whole.stack, self.classify, points=self.whole.annotations.points,
+            parameters=self.parameters.appearance, rows=range(self.begin, self.end),
+        )  # fmt: skip
 
     def evidence(self, trust: float) -> ViewEvidence:
         """Return what is known before points and views are compared."""
@@ -314,21 +333,3 @@ def _motion(
         for more in view.detections:
             ratios[point] *= paint(more, view.stack, point)
     return ratios
-
-
-def _appearance(
-    view: ViewInput,
-    lessons: Mapping[int, Lesson],
-    n_points: int,
-    parameters: OfflineParameters,
-    *,
-    rows: Sequence[int],
-) -> dict[int, Float32Array]:
-    """Return ratios of likelihoods by appearance, for each point."""
-    classify = learn_appearance(
-        view.stack, lessons, n_points=n_points, parameters=parameters.appearance
-    )
-    return appearance_maps(
-        view.stack, classify, points=view.annotations.points, parameters=parameters.appearance,
-        rows=rows,
-    )  # fmt: skip

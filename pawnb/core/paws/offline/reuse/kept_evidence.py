@@ -2,7 +2,9 @@
 
 When clicks are added or corrected only what they change is worked out again: appearance and the
 association of places. What takes longest, decoding and optical flow, depends on clicks only by
-the body's frame, and that of earlier clicks serves while later ones lie well within it.
+the body's frame, and that of earlier clicks serves while later ones lie well within it. Where they
+do not, pictures are read anew; what was learnt of the points still serves, if the animal is of
+the same size.
 """
 
 from __future__ import annotations
@@ -134,6 +136,23 @@ class KeptStacks:
             self._stacks[*names, frames, parameters] = stacks
             while sum(map(_size, self._stacks.values())) > self._most_bytes:
                 del self._stacks[next(iter(self._stacks))]
+
+
+def same_size(before: Sequence[Annotations], now: Sequence[Annotations]) -> bool:
+    """Tell whether clicks show an animal of about the size that earlier ones did, in each view.
+
+    Parameters
+    ----------
+    before, now : sequence of Annotations
+        What is placed in each view.
+    """
+    for old, new in zip(before, now, strict=True):
+        if new.rows and not old.rows:
+            return False
+        small, large = sorted((old.extent(), new.extent()))
+        if large > RUN.kept_extent * small:  # false where one of them is not known
+            return False
+    return True
 
 
 def fits(stack: BodyStack, annotations: Annotations) -> bool:

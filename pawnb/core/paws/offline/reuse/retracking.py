@@ -220,7 +220,9 @@ def after_correction(tracks: Tracks, frame: int, points: Sequence[str]) -> Again
     return Again(tracks, (frame, last + 1), [frame], closed)
 
 
-def after_clicks(tracks: Tracks, before: pd.DataFrame, clicks: pd.DataFrame) -> Again | None:
+def after_clicks(
+    tracks: Tracks, before: pd.DataFrame, clicks: pd.DataFrame, *, everywhere: bool = False
+) -> Again | None:
     """Return what is tracked again after clicks were added: between those on either side.
 
     Parameters
@@ -229,6 +231,8 @@ def after_clicks(tracks: Tracks, before: pd.DataFrame, clicks: pd.DataFrame) -> 
         Tracks from the clicks before.
     before, clicks : DataFrame
         Clicks before and now; columns frame, view, point, u, v (px).
+    everywhere : bool
+        Whether all frames are tracked again, as the pictures that they were found in are others.
 
     Returns
     -------
@@ -251,4 +255,7 @@ def after_clicks(tracks: Tracks, before: pd.DataFrame, clicks: pd.DataFrame) -> 
         end = max(end, min(later, default=int(frames[-1])), frame)
         closed |= {*sorted(earlier)[-1:], *sorted(later)[:1]}
     placed = sorted({c[0] for c in added})
+    if everywhere:
+        whole = (int(frames[0]), int(frames[-1]) + 1)
+        return Again(tracks, whole, placed, sorted({c[0] for c in old}))
     return Again(tracks, (begin, end + 1), placed, sorted(closed))

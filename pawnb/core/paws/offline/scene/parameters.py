@@ -126,6 +126,9 @@ class RegistrationParameters:
         Features are looked for so far from the centre, in extents. Set by hand.
     follow_return_px : float
         Forward-backward distance, px, up to which a feature counts. Set by hand.
+    extent_residual : float
+        Points that views place in space tell how large the animal is where their residual is no
+        more than this share of the longest side of a picture. Set by hand.
     unknown_extent : float
         Extent where no frame has two points, in shorter sides of the picture. Set by hand.
     colour_from : float
@@ -232,6 +235,7 @@ class RegistrationParameters:
     follow_fewest: int = 8
     follow_reach: float = 0.75
     follow_return_px: float = 1.0
+    extent_residual: float = 0.02
     unknown_extent: float = 0.4
     colour_from: float = 2.0
     shrunk: float = 0.75

@@ -9,11 +9,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline import pipeline
+from pawnb.core.paws.offline import learnt_run, pipeline
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.learnt_run import track_learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
-from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, fits
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, fits, same_size
 from pawnb.core.paws.offline.reuse.retracking import TRUST, after_correction
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE
@@ -225,3 +225,37 @@ def test_added_clicks_go_on_from_the_last_run(views):
     assert pd.DataFrame(before).equals(clicks([2, 12]))
     moved = clicks([2, 7, 12]).assign(v=lambda c: c["v"] + 1.0)
     assert json.loads(run(views, moved, stacks=stacks).attrs[GONE_ON_FROM]) == []
+
+
+@pytest.mark.slow
+def test_clicks_that_the_pictures_do_not_show_have_others_read_and_all_tracked(views, monkeypatch):
+    """What the last run has learnt serves, so that nothing is weighed by leaving clicks out."""
+    stacks = KeptStacks()
+    first = run(views, clicks([2, 12]), stacks=stacks)
+    read = views.read
+    higher = clicks([7]).assign(
+        v=lambda c: c["v"] - 35.0
+    )  # the pictures end 52 px above the points
+    monkeypatch.setattr(learnt_run, "weigh", None)
+    more = run(views, pd.concat([clicks([2]), higher, clicks([12])]), stacks=stacks)
+    assert views.read == read + N
+    assert json.loads(more.attrs[GONE_ON_FROM]) == [clicks([2, 12]).to_dict(orient="records")]
+    uv, old = positions(more), positions(first)
+    np.testing.assert_allclose(uv[7], way()[7] - [0.0, 35.0], atol=1e-9)
+    assert np.abs(uv[13:] - old[13:]).max() > 1e-6  # beyond the click after it, too
+    assert more.attrs[TRUST] == first.attrs[TRUST]
+
+
+@pytest.mark.parametrize(
+    ("longest", "expected"),
+    # 1.75 times 40 px are 70
+    [(40.0, True), (69.0, True), (71.0, False), (23.0, True), (22.0, False)],
+)
+def test_an_animal_of_another_size_is_begun_anew(longest, expected):
+    def of_length(px):
+        return Annotations({0: {0: np.zeros(2), 1: np.array([px, 0.0])}})
+
+    alone, nothing = Annotations({0: {0: np.zeros(2)}}), Annotations({})
+    assert same_size([of_length(40.0), alone], [of_length(longest), alone]) == expected
+    assert same_size([of_length(40.0), nothing], [of_length(40.0), nothing])
+    assert not same_size([of_length(40.0), nothing], [of_length(40.0), alone])  # a view more

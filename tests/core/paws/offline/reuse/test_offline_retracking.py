@@ -71,6 +71,14 @@ def test_added_clicks_bear_on_what_lies_between_the_clicks_on_either_side(added,
         assert list(again.placed) == [added[0]]
 
 
+def test_where_other_pictures_are_read_they_bear_on_all_frames():
+    tracks = make_tracks(range(5, 100), POINTS, fps=50.0, views=["side"])
+    now = pd.concat([BEFORE, clicks((40, POINTS))])
+    again = after_clicks(tracks, BEFORE, now, everywhere=True)
+    assert again.frames == (5, 100)
+    assert (list(again.placed), list(again.closed)) == ([40], sorted(set(BEFORE["frame"])))
+
+
 @pytest.mark.parametrize(
     "now",
     [
