@@ -160,14 +160,14 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     # and the frames in which the animal is in view, where the others have hardly a right label
     assert bench.session.frames_to_use(state, tracks) is None
     part = sure.copy(deep=True)
-    part["image_confidence"][16:] = 0.0
-    assert bench.session.frames_to_use(state, part) == (0, 16)
+    part["image_confidence"][24:] = 0.0
+    assert bench.session.frames_to_use(state, part) == (0, 24)
     bench._open(lambda: bench._review(state))
     with pytest.raises(InputError, match="corrections were made; take them back first"):
-        bench._use_frames(state, (0, 16))
+        bench._use_frames(state, (0, 24))
     assert pawnb.load_trial(described).frames is None
-    bench.session.use_frames(state, (0, 16))
-    assert pawnb.load_trial(described).frames == (0, 16)
+    bench.session.use_frames(state, (0, 24))
+    assert pawnb.load_trial(described).frames == (0, 24)
     bench._click_also(state, frame)
     assert isinstance(bench.tool.tool, ClickInitialiser)
     assert bench.tool.tool.frame == frame

@@ -213,7 +213,9 @@ def _better_part(
         of_frames, tracks["frame"].to_numpy(), clicked=np.asarray(labels.clicked.any(axis=1)),
         limit=limits.failed,
     )  # fmt: skip
-    if part is None or max(right for *_, right in part.left_out) > QUALITY.hardly_any:
+    if part is None or part.stop - part.first < QUALITY.fewest_frames:
+        return None
+    if max(right for *_, right in part.left_out) > QUALITY.hardly_any:
         return None
     better = _rank(_verdict(part.right, limits)) > _rank(quality.verdict)
     return part if better else None

@@ -111,6 +111,8 @@ class QualityParameters:
         Ends of a recording in which more labels than this are expected to be right are not proposed
         to be left out. Measured: 0.10 to 0.21 where a horse is not in view yet or no more, 0.27 and
         0.34 where a fly and a woman are lost though they are in view.
+    fewest_frames : int
+        Fewer frames are not proposed to be used: they hold hardly a stride. Set by hand.
     time_gap : float
         Steps in time longer than so many usual ones are gaps; time stamps are rounded. Set by hand.
     """
@@ -150,6 +152,7 @@ class QualityParameters:
     telling_left: float = 0.75
     most_reasons: int = 3
     hardly_any: float = 0.25
+    fewest_frames: int = 20
     time_gap: float = 1.5
 
 

@@ -289,6 +289,11 @@ def test_frames_without_the_animal_are_named_where_the_rest_is_better():
     assert quality.line().endswith("write frames = [60, 140] under [trial] and track again")
     # a person has clicked the animal in one of the others
     assert assess(tracks, clicks=clicks.assign(frame=10)).usable is None
+    # too few to hold a stride
+    chance[:100] = chance[120:] = 0.1
+    assert assess(tracks, clicks=clicks.assign(frame=110)).usable.first == 100
+    chance[115:] = 0.1
+    assert assess(tracks, clicks=clicks.assign(frame=110)).usable is None
     chance[:] = 0.95
     assert "usable_frames" not in assess(tracks, clicks=clicks).document()
 
