@@ -227,6 +227,7 @@ def test_a_point_in_the_hand_is_followed_in_the_other_views(reviewing):
     at = (xyz[0] + 40, 80 + xyz[1])
     np.testing.assert_allclose(notebook.js("c.stages[2].live.at"), at, atol=1e-6)
     off = np.hypot(*np.subtract(at, truth(0, 2)))
+    notebook.js("c.moved()")  # as where a picture that was fetched ahead arrives just now
     said = notebook.js("c.detail.textContent")
     assert said.startswith("FR is off by ")
     assert said.endswith(f"{off:.{1 if off < 10 else 0}f} px in cam3")

@@ -223,7 +223,8 @@ class Canvas extends Keys {
     const chip = stage && (stage.overlay.chips || []).find((c) => c.id === id);
     const waits = this.connection.busy && this.pending;
     const busy = "Python is busy with something else: the last change is not saved yet.";
-    say(this.detail, { textContent: waits ? busy : chip ? `${view}, ${chip.title}` : "" });
+    const off = this.linking ? this.linked.words(this.stages) : ""; // of a point in the hand
+    say(this.detail, { textContent: waits ? busy : off || (chip ? `${view}, ${chip.title}` : "") });
   }
 
   showHeads() {
