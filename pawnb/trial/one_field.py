@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 
 def with_field(
@@ -12,8 +14,8 @@ def with_field(
 ) -> str:
     """Return the text of a trial with another field in a section.
 
-    What a person wrote in another way than line by line may come out wrong: read the text again,
-    and compare, before it is written.
+    What a person wrote in another way than line by line may come out wrong: see
+    :func:`says` before it is written.
 
     Parameters
     ----------
@@ -45,3 +47,11 @@ def with_field(
     if not count:
         changed = f"{line}{body}"
     return text[: found.start(1)] + changed + text[found.end(1) :]
+
+
+def says(text: str, expected: Mapping[str, Any]) -> bool:
+    """Tell whether a text of a trial says what it is meant to, and nothing else."""
+    try:
+        return tomllib.loads(text) == expected
+    except tomllib.TOMLDecodeError:
+        return False

@@ -73,3 +73,11 @@ def rendered(tmp_path_factory):
 def trial_file(rendered, tmp_path):
     """Give a copy of the small trial that a test may write into: the path of its trial.toml."""
     return Path(shutil.copytree(rendered, tmp_path / "trial")) / "trial.toml"
+
+
+@pytest.fixture
+def bare_videos(rendered, tmp_path):
+    """Give two videos of the small trial in a folder without any trial."""
+    (tmp_path / "bare").mkdir()
+    names = ("cam1.avi", "cam2.avi")
+    return [str(shutil.copy(rendered / name, tmp_path / "bare")) for name in names]

@@ -6,7 +6,6 @@ without Python in ``test_page_browser.py``.
 """
 
 import json
-import shutil
 
 import ball_scene
 import numpy as np
@@ -78,14 +77,9 @@ def renamed(trial_file, points):
 
 
 @pytest.mark.parametrize("text", [EVIL, LONG, HEBREW], ids=["script", "long", "hebrew"])
-def test_every_field_of_the_form_of_a_trial(screen, trial_file, tmp_path, text):
-    (tmp_path / "bare").mkdir()
-    videos = [
-        str(shutil.copy(trial_file.parent / f"{name}.avi", tmp_path / "bare"))
-        for name in ("cam1", "cam2")
-    ]
+def test_every_field_of_the_form_of_a_trial(screen, bare_videos, text):
     screen.show(f"""from pawnb.widgets.trial_form import TrialForm
-w = TrialForm({videos!r}, done=print)
+w = TrialForm({bare_videos!r}, done=print)
 w""")
     screen.page.get_by_label("animal", exact=True).select_option(
         label="other: points that you name"

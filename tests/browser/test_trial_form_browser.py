@@ -1,20 +1,13 @@
 """The form of a new trial in a real browser: what is typed stays while its fields come and go."""
 
-import shutil
-
 import pytest
 
 pytestmark = pytest.mark.browser
 
 
-def test_what_is_typed_stays_where_fields_come_and_go_beside_it(notebook, trial_file, tmp_path):
-    (tmp_path / "bare").mkdir()
-    videos = [
-        str(shutil.copy(trial_file.parent / f"{name}.avi", tmp_path / "bare"))
-        for name in ("cam1", "cam2")
-    ]
+def test_what_is_typed_stays_where_fields_come_and_go_beside_it(notebook, bare_videos):
     notebook.show(f"""from pawnb.widgets.trial_form import TrialForm
-w = TrialForm({videos!r}, done=print)
+w = TrialForm({bare_videos!r}, done=print)
 w""")
     rate = notebook.page.get_by_placeholder("frames a second")
     rate.click()

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Trial, load_trial
-from pawnb.trial.one_field import with_field
+from pawnb.trial.one_field import says, with_field
 from pawnb.workflow.calibration.written import Written
 
 WAIT_FOR_TRIAL_S = 5.0
@@ -70,11 +69,7 @@ def _put(path: Path, fields: dict[str, str]) -> None:
     after = before
     for name in ("dlt", "pixels", "lens"):
         after = with_field(after, "calibration", name, value=fields.get(name))
-    try:
-        is_right = tomllib.loads(after) == expected
-    except tomllib.TOMLDecodeError:
-        is_right = False
-    if not is_right:
+    if not says(after, expected):
         lines = "; ".join(f'{name} = "{value}"' for name, value in fields.items())
         raise InputError(
             f"{path}: its calibration is not written as a section [calibration]; write {lines} "

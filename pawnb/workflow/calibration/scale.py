@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import tomllib
 from pathlib import Path
 
 from pawnb.core.pose.pixel_scale import PxPerUnit, scale_from_grid
@@ -12,7 +11,7 @@ from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Calibration, Trial, load_trial
-from pawnb.trial.one_field import with_field
+from pawnb.trial.one_field import says, with_field
 from pawnb.workflow.calibration.name_in_trial import WAIT_FOR_TRIAL_S
 from pawnb.workflow.start.propose_pose import trial_background
 
@@ -107,11 +106,7 @@ def _put_scale(path: Path, value: float, known: Calibration) -> None:
     if "calibration" not in parse_toml(before, where=str(path)):
         start = with_field(before, "calibration", "unit", value="mm")
     after = with_field(start, "calibration", "px_per_unit", value=value)
-    try:
-        is_right = tomllib.loads(after) == expected
-    except tomllib.TOMLDecodeError:
-        is_right = False
-    if not is_right:
+    if not says(after, expected):
         raise InputError(
             f"{path}: its calibration is not written as a section [calibration]; write "
             f"px_per_unit = {value:g} there yourself."

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
-
 from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Trial, load_trial
-from pawnb.trial.one_field import with_field
+from pawnb.trial.one_field import says, with_field
 from pawnb.workflow.calibration.name_in_trial import WAIT_FOR_TRIAL_S
 
 
@@ -41,11 +39,7 @@ def write_frames(trial: Trial, frames: tuple[int, int]) -> Trial:
         expected = parse_toml(before, where=str(path))
         expected.setdefault("trial", {})["frames"] = value
         after = with_field(before, "trial", "frames", value=value)
-        try:
-            is_right = tomllib.loads(after) == expected
-        except tomllib.TOMLDecodeError:
-            is_right = False
-        if not is_right:
+        if not says(after, expected):
             raise InputError(
                 f"{path}: its frames are not written on a line of a section [trial]; write frames "
                 f"= {value} there yourself."
