@@ -68,17 +68,18 @@ def read_entry(data: bytes, codec: str, extradata: bytes | None, *, is_key: bool
 
 def _kinds_hevc(data: bytes, extradata: bytes | None) -> Iterator[int]:
     """Yield the type of each unit of an HEVC packet."""
-    for unit, _ in _units(data, extradata, at_length=21):
+    for unit, _, _ in _units(data, extradata, at_length=21):
         yield unit >> 1 & 63
 
 
 def _read_h264(data: bytes, extradata: bytes | None) -> Entry:
     """Read an H.264 packet up to its first picture unit."""
     recovery = None
-    for unit, begin in _units(data, extradata, at_length=4):
+    for unit, begin, end in _units(data, extradata, at_length=4):
         kind = unit & 31
         if kind == _SEI:
-            recovery = _recovery_point(data[begin + 1 : begin + 4096], recovery)
+            # no further than the unit: what follows it would be read as messages, too
+            recovery = _recovery_point(data[begin + 1 : min(end, begin + 4096)], recovery)
         elif 1 <= kind <= 5:
             if kind == 5:
                 return Entry(0, is_fresh=True)
@@ -117,16 +118,20 @@ def _exact_count(message: bytes) -> int | None:
     return int(bits[zeros:end], 2) - 1
 
 
-def _units(data: bytes, extradata: bytes | None, *, at_length: int) -> Iterator[tuple[int, int]]:
-    """Yield the first byte of each unit of a packet, and where it stands."""
+def _units(
+    data: bytes, extradata: bytes | None, *, at_length: int
+) -> Iterator[tuple[int, int, int]]:
+    """Yield the first byte of each unit of a packet, where it stands, and where the unit ends."""
     if extradata and extradata[0] == 1 and len(extradata) > at_length:
         length_bytes = (extradata[at_length] & 3) + 1
         at = length_bytes
         while at < len(data):
-            yield data[at], at
-            at += int.from_bytes(data[at - length_bytes : at], "big") + length_bytes
+            end = at + int.from_bytes(data[at - length_bytes : at], "big")
+            yield data[at], at, end
+            at = end + length_bytes
         return
     at = data.find(b"\x00\x00\x01")
     while 0 <= at < len(data) - 3:
-        yield data[at + 3], at + 3
-        at = data.find(b"\x00\x00\x01", at + 3)
+        following = data.find(b"\x00\x00\x01", at + 3)
+        yield data[at + 3], at + 3, len(data) if following < 0 else following
+        at = following

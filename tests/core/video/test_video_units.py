@@ -58,3 +58,15 @@ def test_recovery_point(message, expected):
 def test_a_message_cut_short_is_none(end):
     data = (b"\0\0\1\x06\xff\xff\x06\x06\x01\xc4\x80" + b"\0\0\1\x41\x9a")[:end]
     assert read_entry(data, "h264", None, is_key=True).recovery is None
+
+
+@pytest.mark.parametrize(
+    ("extradata", "slice_"),
+    [(None, b"\0\0\1\1\x06\1\xc4"), (LENGTHS, b"\0\0\0\5\1\x9f\x06\1\xc4")],
+)
+def test_messages_end_with_their_unit(extradata, slice_):
+    """Interlaced x264: a picture timing (type 1), then a slice, whose bytes are no messages."""
+    head = b"\0\0\1" if extradata is None else b"\0\0\0\5"
+    data = head + b"\x06\x01\x01\x32\x80" + slice_
+    expected = NEVER._replace(is_reference=False)
+    assert read_entry(data, "h264", extradata, is_key=False) == expected
