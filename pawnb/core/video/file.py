@@ -21,6 +21,7 @@ import numpy as np
 
 from pawnb.core.pixels.colour import PartPicture, Picture
 from pawnb.core.pixels.planes import picture_of_frame
+from pawnb.core.pixels.turned import Turn, TurnedPicture, turn_of_frame
 from pawnb.core.video.endings import Ending
 from pawnb.core.video.listing import list_packets, read_packets
 from pawnb.core.video.packets import PacketIndex
@@ -35,6 +36,9 @@ _BLOCK_BYTES = 64 * 2**20
 
 A decoder keeps the memory of as many as it ever had to hold.
 """
+
+_SQUARE = 0.01
+"""How far from 1 the sides of a pixel may be: less than a paw can be placed."""
 
 _MOST_REORDERED = 32
 """Packets after which a picture that has not come out never will (H.264 allows 16)."""
@@ -53,13 +57,14 @@ class VideoFile:
     Attributes
     ----------
     n_frames, width, height : int
-        Number and size of the frames, px.
+        Number and size of the frames as they are shown, px.
     stamps_s : ndarray, shape (n_frames,)
         The container's time stamps, s.
     is_variable_rate : bool
         Whether they are not evenly spaced.
     notes : list of str
-        What a user should know, in plain sentences: a file that is cut short.
+        What a user should know, in plain sentences: a file that is cut short, turned, or whose
+        pixels are not square.
 
     Raises
     ------
@@ -91,12 +96,16 @@ class VideoFile:
             self.n_frames = self._index.n_frames
             self.stamps_s: np.ndarray | None = self._index.stamps_s
             self.is_variable_rate = self._index.is_variable_rate
-            self.width, self.height = self._stream.width, self._stream.height
-            size = max(self.width * self.height * 2, 1)
+            self._coded = self._stream.width, self._stream.height
+            size = max(self._coded[0] * self._coded[1] * 2, 1)
             self._block = min(max(_BLOCK_BYTES // (n_files * size), 4), 64)
             self._at: int | None = None
             self._began = 0
-            self.grab(0)
+            self._turn: Turn | None = None
+            self._is_looked_at = False
+            first = self.grab(0)
+            self.width, self.height = first.width, first.height
+            self.notes += self._shape_notes()
         except VideoError:
             self.close()
             raise
@@ -213,6 +222,23 @@ class VideoFile:
             )
         return index
 
+    def _shape_notes(self) -> list[str]:
+        """Say where the picture is shown otherwise than it was kept, or is not to scale."""
+        notes = []
+        if self._turn is not None:
+            notes.append(
+                f"{self.name} says how the camera was held: its pictures are {self._turn.words}, "
+                "as players show them, and positions are counted in these."
+            )
+        aspect = self._stream.sample_aspect_ratio
+        if aspect and abs(float(aspect) - 1.0) > _SQUARE:
+            notes.append(
+                f"{self.name}: its pixels are {float(aspect):.3g} times as wide as high. Lengths "
+                "and angles are wrong where views are not calibrated by DLT; make the pixels "
+                "square with: ffmpeg -i IN -vf scale=iw*sar:ih,setsar=1 -crf 12 OUT.mp4"
+            )
+        return notes
+
     def _begin_at(self, restart: int, first: int) -> None:
         """Make ``self._decoded`` start with the picture ``first``, decoding from ``restart``."""
         packets = self._seek(restart)
@@ -305,9 +331,16 @@ class VideoFile:
 
     def _picture(self, frame: av.VideoFrame | PartPicture, number: int) -> Picture:
         """Return the decoded planes in the shape that fits their format."""
-        if (frame.width, frame.height) != (self.width, self.height):
+        width, height = self._coded
+        if (frame.width, frame.height) != (width, height):
             raise VideoError(
                 f"{self.name}: frame {number} is {frame.width} x {frame.height} px, but the video "
-                f"is {self.width} x {self.height}; all frames must be of one size."
+                f"is {width} x {height}; all frames must be of one size."
             )
-        return frame if isinstance(frame, PartPicture) else picture_of_frame(frame)
+        if isinstance(frame, PartPicture):
+            picture: Picture = frame
+        else:
+            picture = picture_of_frame(frame)
+            if not self._is_looked_at:  # what holds of the first holds of all
+                self._turn, self._is_looked_at = turn_of_frame(frame), True
+        return picture if self._turn is None else TurnedPicture(picture, self._turn)

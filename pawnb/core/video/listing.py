@@ -50,7 +50,7 @@ def list_packets(
     if packets and is_partial:
         packets.pop()
     is_cut = is_partial or ending is Ending.CUT or bool(lost)
-    is_cut = is_cut or _lacks_packets(container, stream, len(packets), end)
+    is_cut = is_cut or _lacks_packets(container, stream, packets, end)
     times = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
     # H.264 and HEVC in AVI, and streams that reorder but show no sign of it, carry
     # the order of decoding in the place of display times
@@ -105,12 +105,15 @@ def read_packets(
 def _lacks_packets(
     container: av.container.InputContainer,
     stream: av.video.stream.VideoStream,
-    n_packets: int,
+    packets: list[Packet],
     end: int,
 ) -> bool:
     """Tell whether the file's header promises more packets than there are."""
-    if stream.frames <= n_packets:
+    if stream.frames <= len(packets):
         return False
+    if container.format.name == "avi" and packets:
+        # a dropped frame is an empty chunk: it is counted, moves the time on, and is no packet
+        return (packets[-1].dts or 0) + 1 < stream.frames
     if "mov" not in container.format.name or not stream.duration:
         return True
     # an edit list may leave frames out: then the duration agrees with what is there

@@ -20,6 +20,13 @@ from pawnb.core.pixels.yuv import reduce_region
 from pawnb.errors import VideoError
 from pawnb.trial import View
 
+_MOST_APART = 3.0
+"""How far the rate of the recording and that of a file may lie apart for both to be of one time.
+
+A film in slow motion is played four times slower or more; a camera that is short of light takes
+half as many frames as it says.
+"""
+
 
 class Source(Protocol):
     """Pictures by number: a video file or a folder of pictures."""
@@ -220,13 +227,22 @@ class ViewReader(Closing):
         """Time of each frame since the first, s, shape (n_frames,).
 
         The file's time stamps where the rate varies or no fps was given, else
-        frame / fps. Raises VideoError for pictures without fps: they carry no time.
+        frame / fps. Stamps of a film that is :attr:`played_slower` are brought to the
+        time of the recording. Raises VideoError for pictures without fps: they carry no time.
         """
         if self._fps is not None and not self.is_variable_rate:
             return np.arange(self.n_frames) / self._fps
         if self.source.stamps_s is None:
             raise VideoError(f"view {self.name!r}: pictures carry no time; give fps.")
-        return self.source.stamps_s - self.source.stamps_s[0]
+        return (self.source.stamps_s - self.source.stamps_s[0]) / self.played_slower
+
+    @property
+    def played_slower(self) -> float:
+        """How many times slower than it was filmed a file of varying rate is played; else 1."""
+        if self._fps is None or not self.is_variable_rate or self.source.stamps_s is None:
+            return 1.0
+        slower = self._fps * float(np.median(np.diff(self.source.stamps_s)))
+        return 1.0 if slower == 0 or 1 / _MOST_APART <= slower <= _MOST_APART else slower
 
     def frame(self, index: int) -> Frame:
         """Return a frame of this file.

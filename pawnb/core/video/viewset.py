@@ -214,12 +214,21 @@ class ViewSet(Closing):
         for name, reader in self.readers.items():
             notes.update(dict.fromkeys(reader.source.notes))
             if reader.is_variable_rate:
-                rate = (reader.n_frames - 1) / float(reader.time_s[-1])
-                notes[
-                    f"{name}: the frame rate varies (mean {rate:.4g} frames/s, fps is "
-                    f"{self._fps:.4g}); the file's own time stamps are used."
-                ] = None
+                notes[f"{name}: the frame rate varies ({self._time_note(reader)}."] = None
         return list(notes)
+
+    def _time_note(self, reader: ViewReader) -> str:
+        """Say what time the frames of a file of varying rate have."""
+        slower = reader.played_slower
+        rate = (reader.n_frames - 1) / float(reader.time_s[-1]) / slower
+        rates = f"mean {rate:.4g} frames/s, fps is {self._fps:.4g})"
+        if slower == 1.0:
+            return f"{rates}; the file's own time stamps are used"
+        times = f"{slower:.3g} times slower" if slower > 1.0 else f"{1 / slower:.3g} times faster"
+        return (
+            f"{rates}: the film is taken to be played {times} than it was filmed, and only how "
+            "uneven its time stamps are is used. If it is not, mend fps"
+        )
 
     def _length_notes(self, ends: Mapping[str, int]) -> list[str]:
         """Say which frames are left out because a view is shorter or begins later."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import av
 import numpy as np
 import pytest
-from video_clips import copy_packets, write_clip, write_h264, write_mjpeg
+from video_clips import copy_packets, packet_bytes, write_clip, write_h264, write_mjpeg
 
 from pawnb.core.video import open_view
 from pawnb.core.video.file import VideoFile
@@ -113,3 +113,15 @@ def test_fragments_that_end_in_their_header_are_one_sentence(tmp_path):
         path.write_bytes(data[:at])
         with pytest.raises(VideoError):
             read_all(path)
+
+
+@pytest.mark.parametrize("write", [write_mjpeg, write_h264])
+def test_frames_that_were_dropped_in_an_avi_are_not_missing_at_its_end(tmp_path, write):
+    """FFmpeg writes an empty chunk for each, as capture programs do, and counts it."""
+    kept = [*range(10), *range(14, 30)]
+    path = write(tmp_path / "clip.avi", n=len(kept), times=kept)
+    video = VideoFile(path)
+    assert (video.n_frames, video.notes) == (len(kept), [])
+    assert video.is_variable_rate
+    path.write_bytes(path.read_bytes()[: packet_bytes(path, 20)[0]])
+    assert "is cut short: it promises 30 frames" in " ".join(VideoFile(path).notes)

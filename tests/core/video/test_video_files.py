@@ -21,9 +21,9 @@ from video_clips import (
     write_mjpeg,
 )
 
-from pawnb.core.video import VideoFile, open_view
+from pawnb.core.video import VideoFile, open_view, open_views
 from pawnb.core.video.packets import PacketIndex
-from pawnb.trial import View
+from pawnb.trial import Animal, Trial, View
 
 # every seventh picture comes late by one frame
 UNEVEN = [k + k // 7 for k in range(N)]
@@ -203,6 +203,25 @@ def test_time_stamps_of_a_variable_rate(tmp_path):
         assert reader.is_variable_rate
         # written at 50 ticks a second
         np.testing.assert_allclose(reader.time_s, np.array(UNEVEN) / 50, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("fps", "slower"),
+    # filmed at 250 frames/s and played at 50; a camera that takes fewer frames than it says
+    [(250.0, 5.0), (10.0, 0.2), (100.0, 1.0)],
+)
+def test_stamps_of_a_film_in_slow_motion_are_brought_to_the_time_of_filming(tmp_path, fps, slower):
+    path = write_h264(tmp_path / "clip.mp4", times=UNEVEN)
+    made = View(name="cam1", video=path.name)
+    told = {"kind": "paws", "name": "t", "animal": Animal(id="a"), "folder": tmp_path}
+    with open_views(Trial(**told, fps=fps, views=(made,))) as views:
+        expected = np.array(UNEVEN) / 50 / slower
+        np.testing.assert_allclose(views.time_s, expected - expected[0], atol=1e-9)
+        (note,) = views.notes
+        mean = (len(UNEVEN) - 1) / (UNEVEN[-1] - UNEVEN[0]) * 50
+        assert f"mean {mean:.4g} frames/s, fps is {fps:.4g}" in note
+        assert ("slower" in note) == (slower > 1)
+        assert ("faster" in note) == (slower < 1)
 
 
 @pytest.mark.parametrize("suffix", ["mp4", "avi"])
