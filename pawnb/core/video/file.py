@@ -37,7 +37,7 @@ _BLOCK_BYTES = 64 * 2**20
 A decoder keeps the memory of as many as it ever had to hold.
 """
 
-_SQUARE = 0.01
+_SQUARE_WITHIN = 0.01
 """How far from 1 the sides of a pixel may be: less than a paw can be placed."""
 
 _MOST_REORDERED = 32
@@ -231,7 +231,7 @@ class VideoFile:
                 "as players show them, and positions are counted in these."
             )
         aspect = self._stream.sample_aspect_ratio
-        if aspect and abs(float(aspect) - 1.0) > _SQUARE:
+        if aspect and abs(float(aspect) - 1.0) > _SQUARE_WITHIN:
             notes.append(
                 f"{self.name}: its pixels are {float(aspect):.3g} times as wide as high. Lengths "
                 "and angles are wrong where views are not calibrated by DLT; make the pixels "
