@@ -81,6 +81,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self.work = BackgroundWork(
             stop, around=self.look_again, failed=partial(self._tell, wrong=True)
         )
+        self.work.add_class("pawnb-next")
         self._head = widgets.HBox(layout=ROW)
         self.children = (
             self._around, self._head, self._list, self.work, self._told, self._desk
@@ -373,6 +374,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
         self._tell("")
         self.work.begin(doing, guarded)
+        self._around.bring()
 
     @property
     def _room(self) -> int:

@@ -98,3 +98,29 @@ w"""
     finally:
         page.set_viewport_size({"width": 1500, "height": 1000})
     notebook.assert_no_errors()
+
+
+def test_what_is_being_done_is_in_sight(notebook, trial_file):
+    """The page was scrolled down to a tool, which is put away as the work begins."""
+    page = notebook.page
+    page.set_viewport_size({"width": 1366, "height": 768})
+    try:
+        notebook.show(f"""import pawnb, threading
+go = threading.Event()
+w = pawnb.Workbench({str(trial_file.parent)!r})
+w.do("start", w.session.states[0].folder)
+w.session.track = lambda state, progress: go.wait(60)
+w""")
+        panel = "document.querySelector('.jp-WindowedPanel-outer')"
+        page.wait_for_timeout(500)
+        page.evaluate(f"{panel}.scrollTop = 600")
+        notebook.py("w.do('track', w.session.states[0].folder)")
+        stop = page.get_by_role("button", name="Stop")
+        stop.wait_for()
+        page.wait_for_timeout(1000)
+        top = page.evaluate(f"{panel}.getBoundingClientRect().top")
+        assert top <= stop.bounding_box()["y"] < 768
+    finally:
+        notebook.py("go.set()")
+        page.set_viewport_size({"width": 1500, "height": 1000})
+    notebook.assert_no_errors()

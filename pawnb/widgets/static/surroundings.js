@@ -2,7 +2,7 @@
 // that are pressed in the plots are left to them.
 // Joined behind connection.js by surroundings.py.
 
-const NEXT = "pawnb-next"; // the class of where what is opened begins
+const NEXT = "pawnb-next"; // the class of where what is opened or done begins: the first that is shown
 const HEADS_PX = 100; // menus and tools of a notebook
 
 // The first colour behind an element that covers what is behind it.
@@ -43,10 +43,17 @@ export default {
     };
     document.addEventListener("focusin", keep);
     // what was opened begins above what is in sight, where the one before it was looked at below
+    const show = () => {
+      const all = el.parentElement ? [...el.parentElement.querySelectorAll(`.${NEXT}`)] : [];
+      const next = all.find((one) => one.offsetParent);
+      if (next && next.getBoundingClientRect().top < HEADS_PX) next.scrollIntoView({ block: "start" });
+    };
+    // what is to be shown comes by messages of its own, which may take a moment longer than this one
+    let showing;
     const bring = ({ type }) => {
-      const next = el.parentElement && el.parentElement.querySelector(`.${NEXT}`);
-      if (type === "bring" && next && next.getBoundingClientRect().top < HEADS_PX)
-        next.scrollIntoView({ block: "start" });
+      if (type !== "bring") return;
+      clearTimeout(showing);
+      showing = setTimeout(show, 100);
     };
     model.on("msg:custom", bring);
     const room = new ResizeObserver(look);
@@ -56,6 +63,7 @@ export default {
     window.addEventListener("resize", look);
     return () => {
       clearTimeout(timer);
+      clearTimeout(showing);
       room.disconnect();
       theme.disconnect();
       window.removeEventListener("resize", look);
