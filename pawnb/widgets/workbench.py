@@ -45,7 +45,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     folder : str or Path
         The folder; trials lie in it, in its folders, or in theirs.
     videos : sequence of str or Path, optional
-        Videos to make a trial of at once.
+        Videos to make a trial of at once, where there is none yet.
 
     Attributes
     ----------
@@ -90,8 +90,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self._around.observe(lambda _: self._show_list(), names="dark")
         self.look_again()
         if videos:
-            base = self.session.folder
-            self.make_trial([v if Path(v).is_absolute() else base / v for v in videos])
+            self._begin_with([self.session.folder / video for video in videos])
 
     # --- what a person does ---------------------------------------------------------------
 
@@ -149,6 +148,14 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         super().close()
 
     # --- the list ---------------------------------------------------------------------------
+
+    def _begin_with(self, videos: Sequence[Path]) -> None:
+        """Open the form of some videos; where the trial was made since, its line is enough."""
+        if (videos[0].parent / "trial.toml").exists():  # the page was opened again
+            place = videos[0].parent.resolve().name
+            self._tell(f"{place} has its trial.toml: go on with the next step, in the list above.")
+        else:
+            self.make_trial(videos)
 
     def _show_list(self) -> None:
         """Show the trials, a line each."""

@@ -91,6 +91,17 @@ def test_bare_videos_become_a_trial_and_its_start_is_clicked_next(bare, opened):
     assert [state.next_step for state in bench.session.states] == ["start"]
 
 
+def test_the_page_of_bare_videos_is_opened_again_when_the_trial_is_made(bare, opened):
+    """The cell still names the videos: it runs again as the browser comes back."""
+    first = opened(bare, videos=["cam1.avi"]).tool
+    first.fps.value = "100"
+    assert first.write() is not None
+    again = opened(bare, videos=["cam1.avi"])
+    assert again.tool is None
+    assert "go on with the next step" in again._told.value
+    assert [state.next_step for state in again.session.states] == ["start"]
+
+
 def test_another_view_of_the_same_video_is_added_and_left_out(bare, opened):
     bench = opened(bare, videos=["cam1.avi"])
     form = bench.tool
