@@ -48,8 +48,8 @@ def track_offline(
     which knows strides and stance. Where colour does not tell them, as in grey pictures, or its
     tracks are not good by absolute measures (:func:`.quality.assess`), calibrated views of paws
     are tracked in the same way by a look that is learnt (:func:`.strides.track_by_strides`), and
-    these tracks are kept if clearly more labels are expected to be right and no two names lie on
-    one place, or in fewer frames than by colour. Where neither applies,
+    these tracks are kept if clearly more labels are expected to be right and two names lie on one
+    place in hardly a frame, or in fewer than by colour. Where neither applies,
     or tracks failed (on the real clips on which colour does not tell paws 7 to 37 % of labels are
     expected to be right, on rendered scenes 83 % and more), points are tracked by
     :func:`.learnt_run.track_learnt`; as well where clicks were added since its last run. Where one
@@ -92,7 +92,8 @@ def track_offline(
         quality = assess(add_likeness(views, tracks, start), clicks=start)
         shared = share_on_one_place(tracks, start)
         if best is None or (
-            (not shared or shared < best[2]) and _is_better(quality, best[0], shared=best[2])
+            (shared <= RUN.shared_much or shared < best[2])
+            and _is_better(quality, best[0], shared=best[2])
         ):
             best = quality, tracks, shared
         if best[0].expected_right >= enough:

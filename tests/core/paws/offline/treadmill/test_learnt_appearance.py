@@ -182,6 +182,8 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
         (100, ("look", 0.8), ("look", 0.7), (0.0, 0.0), "colour"),
         (100, ("failed", 0.3), ("failed", 0.4), (0.0, 0.0), "learnt"),
         (100, ("look", 0.86), ("good", 0.92), (0.0, 0.1), "colour"),
+        # another renderer, H.264 of crf 28: a hind paw beside a front one, rightly
+        (100, ("look", 0.866), ("good", 0.978), (0.0, 0.022), "strides"),
         (100, ("failed", 0.4), ("look", 0.6), (0.0, 0.1), "learnt"),
         (100, ("look", 0.71), ("look", 0.81), (0.1, 0.0), "strides"),
         (100, ("look", 0.8), ("look", 0.84), (0.1, 0.0), "colour"),
