@@ -41,7 +41,7 @@ class Surroundings(anywidget.AnyWidget):
         self.on_msg(self._receive)
 
     def bring(self) -> None:
-        """Scroll to the first that has the class ``pawnb-next`` and is shown, if it begins above."""
+        """Scroll to the first shown that has the class ``pawnb-next``, if it begins above."""
         self.send({"type": "bring"})
 
     def _receive(self, _widget: Any, message: dict[str, Any], _buffers: Any) -> None:

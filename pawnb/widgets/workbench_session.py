@@ -12,6 +12,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
+from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import read_result_tracks, results_folder
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.reviewing.suggest import suggest_frames
@@ -153,7 +154,7 @@ class WorkbenchSession:
         trial = described(state)
         if trial.is_tracked_elsewhere:
             return read_foreign_tracks(trial)
-        return read_result_tracks(results_folder(trial) / "tracks.nc")
+        return as_described_now(read_result_tracks(results_folder(trial) / "tracks.nc"), trial)
 
     def gait_tables(self, state: TrialState) -> GaitTables:
         """Return the analysis of a trial, to look through its strides."""

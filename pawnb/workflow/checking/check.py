@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 from pawnb.core.video import ViewReader, open_views
-from pawnb.errors import InputError, PawnbError
+from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
 from pawnb.io.native import read_tracks
@@ -18,6 +19,7 @@ from pawnb.workflow.gait.event_sources import read_trial_events
 from pawnb.workflow.gait.inputs import check_settings
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import RUN_KINDS, find_fault, known_files
+from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
 from pawnb.workflow.tracking.methods import stage_parameters, tracker_settings
 
@@ -83,6 +85,12 @@ def _check_results(trial: Trial, report: CheckReport) -> None:
     made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
     if made and not made[-1].get("complete", True):
         report.doubts.append(f"{name} is of a run that was interrupted; track again to go on")
+    if trial.is_tracked_elsewhere:
+        return
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always", InputWarning)
+        as_described_now(tracks, trial)
+    report.doubts += [str(one.message).rstrip(".") for one in told]
 
 
 def _check_belt(trial: Trial, report: CheckReport) -> None:

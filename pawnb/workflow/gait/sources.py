@@ -19,6 +19,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Animal, Trial, load_trial
 from pawnb.workflow.conversion.foreign_tracks import files_of_tracks, read_foreign_tracks
 from pawnb.workflow.gait.event_sources import groups_of_events, read_scored_file, read_trial_events
+from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
     describe_trial,
@@ -191,7 +192,8 @@ def _read_trial(trial: Trial, file: Path) -> GaitSource:
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
-    return GaitSource(path, out, tracks=read_result_tracks(path), **own)
+    tracks = as_described_now(read_result_tracks(path), trial)
+    return GaitSource(path, out, tracks=tracks, **own)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:

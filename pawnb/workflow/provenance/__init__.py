@@ -2,10 +2,10 @@
 
 Comes in: inputs, settings and results of a run. Goes out: records by which it can be made again.
 ``record`` makes the record that every result carries, ``manifest`` writes a folder whole and finds
-faults in one, ``labels`` name inputs, ``results`` writes and reads what tracking made, ``notes``
-lists warnings beside it. ``recipes`` reads what a file carries, ``find_inputs`` what it was made
-of; ``reproduce`` makes it again, and ``same_content`` says in what it differs. ``report`` writes
-pages on a run.
+faults in one, ``labels`` name inputs, ``results`` writes and reads what tracking made,
+``mended_trial`` brings those to what the trial says now, ``notes`` lists warnings beside it.
+``recipes`` reads what a file carries, ``find_inputs`` what it was made of; ``reproduce`` makes it
+again, and ``same_content`` says in what it differs. ``report`` writes pages on a run.
 """
 
 from pawnb import _lazy
@@ -27,6 +27,7 @@ __all__ = [
     "find_inputs",
     "labels",
     "manifest",
+    "mended_trial",
     "notes",
     "package_versions",
     "plain_command",

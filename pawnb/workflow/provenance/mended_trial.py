@@ -1,0 +1,136 @@
+"""Tracks of a trial whose ``trial.toml`` was mended after it was tracked.
+
+A frame rate or a scale that was wrong does not change where points are in the pictures, so the
+tracks are brought to what the trial says now. What does change it is said.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pawnb.errors import InputWarning
+from pawnb.schema import Tracks
+from pawnb.trial import Trial
+from pawnb.workflow.provenance.record import file_checksum
+from pawnb.workflow.provenance.results import describe_trial, provenance_steps
+
+_EVEN = 1e-3
+"""How far times may lie off frame / fps, in frames, and still be made by it."""
+
+
+def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
+    """Bring tracks that pawnb made of a trial to the frame rate and the scale it has now.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks as they were read; not modified.
+    trial : Trial
+        Their trial, as ``trial.toml`` describes it now.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same where nothing was mended.
+
+    Warns
+    -----
+    InputWarning
+        What has changed, and where tracking again is needed.
+    """
+    if "trial" not in tracks.attrs:
+        return tracks
+    before = json.loads(tracks.attrs["trial"])
+    said: list[str] = []
+    now = _rescaled(_retimed(tracks, trial, said), before, trial, said)
+    again = changed_inputs(tracks, trial)
+    if said:
+        sizes = json.loads(tracks.attrs["pictures_px"]) if "pictures_px" in tracks.attrs else None
+        now = describe_trial(now, trial, sizes=sizes)
+    if again:
+        said.append(f"{' and '.join(again)} changed: pawnb track again")
+    if said:
+        text = f"{trial.name}: since it was tracked, {'; '.join(said)}."
+        warnings.warn(text, InputWarning, stacklevel=3)
+    return now
+
+
+def changed_inputs(tracks: Tracks, trial: Trial) -> list[str]:
+    """Name the clicks and calibrations that are not those the tracks were made with.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks that pawnb made of the trial.
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    list of str
+        Names of files; of these only what the record of tracking knows.
+    """
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    inputs: dict[str, Any] = made[-1].get("inputs") or {} if made else {}
+    known = {Path(label).name: checksum for label, checksum in inputs.items()}
+    if not known:
+        return []
+    calibration = trial.calibration
+    # clicks may have been given by hand, and are on record only where they were read
+    clicks = (trial.start_points, trial.start_pose)
+    named: list[str | None] = [n for n in clicks if n and Path(n).name in known]
+    if calibration is not None:
+        named += [calibration.of_views, calibration.lens]
+    paths = [trial.path(name) for name in named if name is not None]
+    return [
+        path.name
+        for path in paths
+        if path.is_file() and known.get(path.name) != file_checksum(path)
+    ]
+
+
+def _retimed(tracks: Tracks, trial: Trial, said: list[str]) -> Tracks:
+    """Bring the times of frames to the frame rate of the trial."""
+    old, new = float(tracks.attrs["fps"]), trial.fps
+    if math.isclose(old, new, rel_tol=1e-9):
+        return tracks
+    frame, time = tracks["frame"].to_numpy(), tracks["time"].to_numpy().astype(float)
+    change = f"fps was changed from {old:g} to {new:g}"
+    if np.abs((time - time[0]) * old - (frame - frame[0])).max() > _EVEN:
+        said.append(f"{change}, and times are of the video's own stamps: pawnb track again")
+        return tracks.assign_attrs(fps=new)
+    said.append(f"{change} (times are counted anew)")
+    times = tracks["time"] * (old / new)
+    return tracks.assign_coords(time=times.assign_attrs(tracks["time"].attrs)).assign_attrs(fps=new)
+
+
+def _rescaled(tracks: Tracks, before: dict[str, Any], trial: Trial, said: list[str]) -> Tracks:
+    """Bring the positions of a single view to the scale of the trial."""
+    old = before.get("calibration", {}).get("px_per_unit")
+    calibration = trial.calibration
+    new = None if calibration is None else calibration.px_per_unit
+    unit = "px" if calibration is None or new is None else calibration.unit
+    is_scaled = old is not None or tracks.attrs["units"] == "px"
+    if not is_scaled or (old == new and tracks.attrs["units"] == unit):
+        return tracks
+    said.append(
+        f"px_per_unit was changed from {_number(old)} to {_number(new)} (positions are in {unit})"
+    )
+    factor = (old or 1.0) / (new or 1.0)
+    scaled = {
+        name: (tracks[name] * factor).assign_attrs(tracks[name].attrs | {"units": unit})
+        for name in ("position", "sd", "revision")
+        if name in tracks
+    }
+    return tracks.assign(scaled).assign_attrs(units=unit)
+
+
+def _number(value: float | None) -> str:
+    """Return a number, or that there was none."""
+    return "none" if value is None else f"{value:g}"
