@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import warnings
 from collections.abc import Callable
 
 from pawnb.core.paws.offline.detection.point_tracking.point_tracker import PointTracker
 from pawnb.core.paws.offline.detection.point_tracking.tapir import Tapir, load_tapir
+from pawnb.core.paws.offline.tracker import BY_COLOUR, STRIDES
+from pawnb.errors import InputWarning
+from pawnb.schema import Tracks
 from pawnb.trial import Trial
+from pawnb.workflow.provenance.record import file_checksum
 
 
 def point_trackers(
@@ -39,10 +44,32 @@ def point_trackers(
     """
     if trial.point_tracker is None:
         return []
-    network = load_tapir(trial.path(trial.point_tracker))
+    path = trial.path(trial.point_tracker)
+    network = load_tapir(path)
     if tell:
         network.tell_slow()
-    return [dataclasses.replace(_of_session(network), stop=stop)]
+    name = f"point tracker {file_checksum(path)}"  # with others no run goes on from this one
+    return [dataclasses.replace(_of_session(network), name=name, stop=stop)]
+
+
+def tell_unused(trial: Trial, tracks: Tracks) -> None:
+    """Warn where tracks were found without the network that a trial names.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    tracks : xarray.Dataset
+        Its tracks.
+    """
+    by = tracks.attrs.get("evidence")
+    if trial.point_tracker is not None and by in (BY_COLOUR, STRIDES):
+        warnings.warn(
+            f"the point tracker that the trial names was not used, as points were found by {by}; "
+            "--set evidence=learnt uses it.",
+            InputWarning,
+            stacklevel=3,
+        )
 
 
 @functools.lru_cache(maxsize=1)

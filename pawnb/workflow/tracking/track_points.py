@@ -26,7 +26,7 @@ from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
 from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.placed import start_clicks
-from pawnb.workflow.tracking.point_tracker import point_trackers
+from pawnb.workflow.tracking.point_tracker import point_trackers, tell_unused
 from pawnb.workflow.tracking.predicted import predictions_for
 from pawnb.workflow.tracking.trial_views import (
     frame_range,
@@ -100,6 +100,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             step["gone_on_from"] = begin
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
+        tell_unused(trial, tracks)
         tracks = add_likeness(views, tracks, clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:

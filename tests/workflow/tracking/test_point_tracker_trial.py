@@ -8,10 +8,11 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from pawnb.core.edits.log import EditLog, Move, Retrack
 from pawnb.core.paws.offline.detection.point_tracking.point_tracker import PointTracker
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.synthetic.grey_video import GreyVideoWriter
 from pawnb.trial import load_trial
 from pawnb.workflow.checking.check import check_trial
@@ -168,3 +169,28 @@ def test_what_is_missing_is_said_before_anything_is_tracked(folder, look):
         return
     with pytest.raises(InputError, match=said):
         look(trial)
+
+
+def test_tracks_that_were_found_without_it_say_so(folder):
+    trial = load_trial(folder)
+    with pytest.warns(InputWarning, match="not used, as points were found by colour; --set evid"):
+        point_tracker.tell_unused(trial, xr.Dataset(attrs={"evidence": "colour"}))
+
+
+@pytest.mark.parametrize(("named", "evidence"), [("net.pt", "learnt"), (None, "colour")])
+def test_otherwise_nothing_is_said(folder, recwarn, named, evidence):
+    trial = dataclasses.replace(load_trial(folder), point_tracker=named)
+    point_tracker.tell_unused(trial, xr.Dataset(attrs={"evidence": evidence}))
+    assert not recwarn
+
+
+def test_another_file_is_another_kind_of_evidence(folder, network):
+    """No run goes on from one with other weights."""
+    trial = load_trial(folder)
+    (one,) = point_tracker.point_trackers(trial)
+    (same,) = point_tracker.point_trackers(trial)
+    assert one.name == same.name
+    assert one.kept is same.kept
+    (folder / "other.pt").write_bytes(b"others")
+    (other,) = point_tracker.point_trackers(dataclasses.replace(trial, point_tracker="other.pt"))
+    assert other.name != one.name

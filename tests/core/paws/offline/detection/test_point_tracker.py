@@ -61,7 +61,11 @@ def detect(network, stack, placed, **more):
 
 
 def test_every_click_is_followed_to_the_next_ones_and_to_the_ends(stack):
-    found = detect(Line(), stack, clicks(10, 25, points=(0, 1)))
+    network = Line()
+    found = detect(network, stack, clicks(10, 25, points=(0, 1)))
+    # the middle of the first pixel is at 0 in pawnb, and at half a pixel in tapnet's README
+    row, x, y = network.asked[0][1][0]
+    np.testing.assert_allclose([row, x - 0.5, y - 0.5], [10, *at(10)])
     for point in (0, 1):
         own = found.point == point
         # ahead from 10 and 25, behind from 25 and 10
@@ -182,6 +186,16 @@ def test_of_other_pictures_nothing_is_kept(stack, make_stack):
     asked = len(network.asked)
     tracker.detect("side", make_stack(stack.grey.copy()), clicks(5), points=("FR",))
     assert len(network.asked) == 2 * asked
+
+
+def test_by_other_parameters_nothing_is_kept(stack):
+    network = Line()
+    tracker = PointTracker(network)
+    tracker.detect("side", stack, clicks(5), points=("FR",))
+    asked = len(network.asked)
+    with parameters_set({"point_tracker": {"piece_rows": 40}}):
+        tracker.detect("side", stack, clicks(5), points=("FR",))
+    assert len(network.asked) == asked + 1
 
 
 def test_where_it_is_stopped_nothing_is_found_or_kept(stack):

@@ -19,6 +19,7 @@ import cv2
 import numpy as np
 
 from pawnb.arrays import ByteArray, FloatArray
+from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.detection.parameters import POINT_TRACKER
@@ -72,18 +73,16 @@ class _Path:
 
 
 class KeptPaths:
-    """Paths in those pictures that were looked at last, while these are there themselves."""
+    """Paths in pictures that were looked at before, as long as these are kept by others."""
 
     def __init__(self) -> None:
-        self._of: dict[int, tuple[weakref.ref[ByteArray], list[_Path]]] = {}
+        self._of: dict[tuple[int, object], tuple[weakref.ref[ByteArray], list[_Path]]] = {}
 
     def of(self, stack: BodyStack) -> list[_Path]:
-        """Return what was found in a stack, to be added to."""
+        """Return what was found in a stack by the parameters in force, to be added to."""
         self._of = {k: kept for k, kept in self._of.items() if kept[0]() is not None}
-        kept = self._of.get(id(stack.grey))
-        if kept is None or kept[0]() is not stack.grey:
-            kept = self._of[id(stack.grey)] = weakref.ref(stack.grey), []
-        return kept[1]
+        asked = id(stack.grey), values_in_force(POINT_TRACKER)
+        return self._of.setdefault(asked, (weakref.ref(stack.grey), []))[1]
 
 
 @dataclass(frozen=True)
@@ -180,8 +179,9 @@ def _believed(paths: Mapping[_Query, _Path], stack: BodyStack, placed: Annotatio
 def _ends(paths: Mapping[_Query, _Path], placed: Annotations) -> Iterator[PathEnd]:
     """Yield where paths are in the rows of the clicks to which they lead."""
     for query, path in paths.items():
-        for row in {query.first, query.last} - {query.row}:
+        for row in {query.first, query.last}:
             clicked = placed.places.get(row, {}).get(query.point)
+            # in its own row a path has no probability
             if clicked is not None and path.probability[row] > 0:
                 off_px = float(np.linalg.norm(path.xy[row] - clicked))
                 yield PathEnd(query.point, float(path.probability[row]), off_px)
@@ -209,7 +209,7 @@ def _follow(
         return paths
     pieces = _pieces(min(q.first for q in queries), 1 + max(q.last for q in queries))
     # a click is looked at once in each piece that shows it, and read both ways
-    of_clicks: dict[tuple[int, range], _Looked] = {}
+    looked: dict[tuple[int, range], _Looked] = {}
     for step in (1, -1):
         carried: dict[int, _Start] = {}
         order = pieces[::step]
@@ -218,12 +218,12 @@ def _follow(
                 return None
             clicked = {i: _Start(q.row, q.xy) for i, q in enumerate(queries) if q.row in piece}
             starts = {**carried, **clicked}
-            asked = {i: start for i, start in starts.items() if (i, piece) not in of_clicks}
-            looked = _look(stack, piece, asked, network)
-            of_clicks |= {(i, piece): own for i, own in looked.items() if i in clicked}
+            asked = {i: start for i, start in starts.items() if (i, piece) not in looked}
+            found = _look(stack, piece, asked, network)
+            looked |= {(i, piece): own for i, own in found.items()}
             carried = {}
             for i, start in starts.items():
-                own = looked[i] if i in looked else of_clicks[i, piece]
+                own = looked[i, piece]
                 _write(paths[i], own, piece, start.row + step, sure=start.sure, step=step)
                 on = _surest(paths[i], piece, following, start.row + step, step)
                 carried |= {} if on is None else {i: on}
