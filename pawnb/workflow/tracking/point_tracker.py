@@ -7,9 +7,11 @@ import functools
 import warnings
 from collections.abc import Callable
 
+import pandas as pd
+
 from pawnb.core.paws.offline.detection.point_tracking.point_tracker import PointTracker
 from pawnb.core.paws.offline.detection.point_tracking.tapir import Tapir, load_tapir
-from pawnb.core.paws.offline.tracker import BY_COLOUR, STRIDES
+from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.errors import InputWarning
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
@@ -52,7 +54,7 @@ def point_trackers(
     return [dataclasses.replace(_of_session(network), name=name, stop=stop)]
 
 
-def tell_unused(trial: Trial, tracks: Tracks) -> None:
+def tell_unused(trial: Trial, tracks: Tracks, clicks: pd.DataFrame) -> None:
     """Warn where tracks were found without the network that a trial names.
 
     Parameters
@@ -61,15 +63,20 @@ def tell_unused(trial: Trial, tracks: Tracks) -> None:
         The trial.
     tracks : xarray.Dataset
         Its tracks.
+    clicks : pandas.DataFrame
+        frame, view, point, u, v.
     """
     by = tracks.attrs.get("evidence")
-    if trial.point_tracker is not None and by in (BY_COLOUR, STRIDES):
-        warnings.warn(
-            f"the point tracker that the trial names was not used, as points were found by {by}; "
-            "--set evidence=learnt uses it.",
-            InputWarning,
-            stacklevel=3,
-        )
+    if trial.point_tracker is None or by is None:
+        return
+    what = "the point tracker that the trial names was not used, as "
+    if by != BY_LEARNT:
+        what += f"points were found by {by}; --set evidence=learnt uses it."
+    elif clicks.groupby(["view", "point"])["frame"].nunique().max() < 2:
+        what += "every point was clicked in one frame: click a second one, by which it is judged."
+    else:
+        return
+    warnings.warn(what, InputWarning, stacklevel=3)
 
 
 @functools.lru_cache(maxsize=1)

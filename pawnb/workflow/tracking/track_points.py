@@ -100,7 +100,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             step["gone_on_from"] = begin
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
-        tell_unused(trial, tracks)
+        tell_unused(trial, tracks, clicks)
         tracks = add_likeness(views, tracks, clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:

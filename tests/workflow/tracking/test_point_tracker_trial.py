@@ -171,16 +171,25 @@ def test_what_is_missing_is_said_before_anything_is_tracked(folder, look):
         look(trial)
 
 
-def test_tracks_that_were_found_without_it_say_so(folder):
+def clicks(*frames):
+    rows = [(frame, "side", "FR", 1.0, 2.0) for frame in frames]
+    return pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
+
+
+@pytest.mark.parametrize(
+    ("evidence", "frames", "said"),
+    [("colour", (1, 2), "found by colour; --set"), ("learnt", (1,), "one frame: click a second")],
+)
+def test_tracks_that_were_found_without_it_say_so(folder, evidence, frames, said):
     trial = load_trial(folder)
-    with pytest.warns(InputWarning, match="not used, as points were found by colour; --set evid"):
-        point_tracker.tell_unused(trial, xr.Dataset(attrs={"evidence": "colour"}))
+    with pytest.warns(InputWarning, match=f"was not used, as .*{said}"):
+        point_tracker.tell_unused(trial, xr.Dataset(attrs={"evidence": evidence}), clicks(*frames))
 
 
 @pytest.mark.parametrize(("named", "evidence"), [("net.pt", "learnt"), (None, "colour")])
 def test_otherwise_nothing_is_said(folder, recwarn, named, evidence):
     trial = dataclasses.replace(load_trial(folder), point_tracker=named)
-    point_tracker.tell_unused(trial, xr.Dataset(attrs={"evidence": evidence}))
+    point_tracker.tell_unused(trial, xr.Dataset(attrs={"evidence": evidence}), clicks(1, 2))
     assert not recwarn
 
 

@@ -22,7 +22,12 @@ def test_without_a_click_it_is_what_was_known_before():
 
 
 def test_points_share_what_clicks_say_and_have_their_own():
-    ends = [PathEnd(0, 1.0, 3.0), PathEnd(0, 1.0, 4.0), PathEnd(1, 1.0, 40.0), PathEnd(1, 0.5, 9.0)]
+    ends = [
+        PathEnd(0, 1.0, 3.0, 20),
+        PathEnd(0, 1.0, 4.0, 20),
+        PathEnd(1, 1.0, 40.0, 20),
+        PathEnd(1, 0.5, 9.0, 20),
+    ]
     found = find_reliability(ends, [0, 1, 2], near_px=15.0)
     of_all = (2 * 0.7 + 2.5) / (2 + 3.5)
     assert found.trust[0] == pytest.approx(2 * (2 * of_all + 2) / 4 - 1)
@@ -34,11 +39,17 @@ def test_points_share_what_clicks_say_and_have_their_own():
 
 
 def test_what_is_as_often_wrong_as_right_says_nothing():
-    ends = [PathEnd(0, 1.0, 3.0)] + [PathEnd(0, 1.0, 50.0)] * 4
+    ends = [PathEnd(0, 1.0, 3.0, 20)] + [PathEnd(0, 1.0, 50.0, 20)] * 4
     assert find_reliability(ends, [0], near_px=15.0).trust == {0: 0.0}
 
 
 def test_what_the_network_itself_calls_hidden_is_no_fault_of_it():
-    claimed = find_reliability([PathEnd(0, 0.9, 50.0)], [0], near_px=15.0)
-    hidden = find_reliability([PathEnd(0, 0.1, 50.0)], [0], near_px=15.0)
+    claimed = find_reliability([PathEnd(0, 0.9, 50.0, 20)], [0], near_px=15.0)
+    hidden = find_reliability([PathEnd(0, 0.1, 50.0, 20)], [0], near_px=15.0)
     assert hidden.trust[0] > claimed.trust[0]
+
+
+def test_nothing_is_believed_much_farther_from_a_click_than_it_was_right():
+    ends = [PathEnd(0, 0.9, 3.0, 12), PathEnd(0, 0.9, 2.0, 25), PathEnd(0, 0.9, 50.0, 60)]
+    assert find_reliability(ends, [0], near_px=15.0).rows == 50  # twice 25
+    assert find_reliability([], [0], near_px=15.0).rows == 0

@@ -8,7 +8,11 @@ import pytest
 
 from pawnb.core.parameters import parameters_set, read_parameters
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.detection.point_tracking.point_tracker import PointTracker
+from pawnb.core.paws.offline.detection.point_tracking.point_tracker import (
+    PointTracker,
+    _follow,
+    _queries,
+)
 from pawnb.errors import InputError
 
 SIDE = 64
@@ -60,6 +64,13 @@ def detect(network, stack, placed, **more):
     return PointTracker(network, **more).detect("side", stack, placed, points=("FR", "HR"))
 
 
+def follow(network, stack, row):
+    """Follow one click; the rows in which it was found, where, and how surely."""
+    (path,) = _follow(stack, _queries(clicks(row), len(stack.grey)), network, None)
+    rows = np.flatnonzero(path.probability)
+    return rows.tolist(), path.xy[rows], path.probability[rows]
+
+
 def test_every_click_is_followed_to_the_next_ones_and_to_the_ends(stack):
     network = Line()
     found = detect(network, stack, clicks(10, 25, points=(0, 1)))
@@ -76,39 +87,40 @@ def test_every_click_is_followed_to_the_next_ones_and_to_the_ends(stack):
 
 def test_long_recordings_are_looked_at_in_pieces_that_overlap(stack):
     network = Line()
-    found = detect(network, stack, clicks(10))
+    rows, places, _ = follow(network, stack, 10)
     # three rows are shared; ahead, then behind what was looked at already
     assert network.rows == [(0, 11), (9, 20), (18, 29), (27, 38), (36, 39)]
-    starts = [rows[int(queries[0][0])] for rows, queries in network.asked]
+    starts = [seen[int(queries[0][0])] for seen, queries in network.asked]
     # the click itself where it is seen; then the surest of the rows that are shared
     assert starts[:2] == [10, 10]
-    assert all(row in range(rows[0], rows[0] + 3) for (rows, _), row in zip(
-        network.asked[2:], starts[2:], strict=True))  # fmt: skip
-    np.testing.assert_allclose(found.uv, [at(row) for row in found.row], atol=1e-9)
-    assert sorted(found.row) == [*range(10), *range(11, 40)]
+    for (seen, _), start in zip(network.asked[2:], starts[2:], strict=True):
+        assert start in seen[:3]
+    np.testing.assert_allclose(places, [at(row) for row in rows], atol=1e-9)
+    assert rows == [*range(10), *range(11, 40)]
 
 
 def test_behind_a_click_it_goes_from_piece_to_piece_as_well(stack):
     network = Line()
-    found = detect(network, stack, clicks(38))
+    rows, places, _ = follow(network, stack, 38)
     assert network.rows == [(27, 38), (36, 39), (18, 29), (9, 20), (0, 11)]
-    assert sorted(found.row) == [*range(38), 39]
-    np.testing.assert_allclose(found.uv, [at(row) for row in found.row], atol=1e-9)
+    assert rows == [*range(38), 39]
+    np.testing.assert_allclose(places, [at(row) for row in rows], atol=1e-9)
 
 
 def test_a_path_that_is_not_sure_where_pieces_meet_ends_there(stack):
     network = Line(probability=0.4)
-    found = detect(network, stack, clicks(2))
+    rows, _, _ = follow(network, stack, 2)
     assert network.rows == [(0, 11)]
-    assert found.row.max() == 11
+    assert max(rows) == 11
 
 
 def test_a_path_is_no_surer_than_where_it_went_on_from(stack):
     """Of 0.8, 0.8 x 0.8 = 0.64 and 0.51 the third piece is the last from which it goes on."""
     network = Line(probability=0.8)
-    found = detect(network, stack, clicks(0))
+    rows, _, sure = follow(network, stack, 0)
     assert network.rows == [(0, 11), (9, 20), (18, 29), (27, 38)]
-    assert found.row.max() == 38
+    assert max(rows) == 38
+    np.testing.assert_allclose(sure[[0, 37]], [0.8, 0.8**4])
 
 
 def test_pixels_of_the_view_are_those_of_its_pictures(make_stack, make_texture):
@@ -124,17 +136,22 @@ def test_pixels_of_the_view_are_those_of_its_pictures(make_stack, make_texture):
         """Finds the patch about a query again; its pixels begin at the corner."""
 
         def follow(self, pictures, queries):
-            (row, x, y), half = queries[0], 3
+            found = [self.one(pictures, query) for query in queries]
+            places, probability = zip(*found, strict=True)
+            return np.array(places), np.array(probability)
+
+        def one(self, pictures, query):
+            (row, x, y), half = query, 3
             i, j = int(y), int(x)
             own = pictures[int(row), i - half : i + half + 1, j - half : j + half + 1]
             best = [cv2.minMaxLoc(cv2.matchTemplate(p, own, cv2.TM_CCOEFF_NORMED))
                     for p in pictures]  # fmt: skip
             places = np.array([[where[0] + half + x % 1, where[1] + half + y % 1]
                                for _, _, _, where in best])  # fmt: skip
-            return places[None], np.array([[value for _, value, _, _ in best]])
+            return places, [value for _, value, _, _ in best]
 
-    found = detect(Matching(), make_stack(film), Annotations({2: {0: truth[2]}}))
-    assert len(found.row) == n - 1
+    found = detect(Matching(), make_stack(film), Annotations({t: {0: truth[t]} for t in (2, 6)}))
+    assert set(found.row) == set(range(n))
     # its pixels are 3 wide and 2 high
     assert (np.abs(found.uv - truth[found.row]) <= [1.6, 1.1]).all()
 
@@ -150,7 +167,7 @@ def test_colour_is_handed_on_as_colour(make_stack):
             seen.append(pictures[0, 0, 0].tolist())
             return super().follow(pictures, queries)
 
-    detect(Look(), make_stack(grey, colour=ab), clicks(0))
+    detect(Look(), make_stack(grey, colour=ab), clicks(0, 1))
     np.testing.assert_allclose(seen, [[255, 0, 0]], atol=4)
 
 
@@ -182,19 +199,19 @@ def test_between_two_clicks_no_other_rows_are_looked_at(stack):
 def test_of_other_pictures_nothing_is_kept(stack, make_stack):
     network = Line()
     tracker = PointTracker(network)
-    tracker.detect("side", stack, clicks(5), points=("FR",))
+    tracker.detect("side", stack, clicks(5, 20), points=("FR",))
     asked = len(network.asked)
-    tracker.detect("side", make_stack(stack.grey.copy()), clicks(5), points=("FR",))
+    tracker.detect("side", make_stack(stack.grey.copy()), clicks(5, 20), points=("FR",))
     assert len(network.asked) == 2 * asked
 
 
 def test_by_other_parameters_nothing_is_kept(stack):
     network = Line()
     tracker = PointTracker(network)
-    tracker.detect("side", stack, clicks(5), points=("FR",))
+    tracker.detect("side", stack, clicks(5, 20), points=("FR",))
     asked = len(network.asked)
     with parameters_set({"point_tracker": {"piece_rows": 40}}):
-        tracker.detect("side", stack, clicks(5), points=("FR",))
+        tracker.detect("side", stack, clicks(5, 20), points=("FR",))
     assert len(network.asked) == asked + 1
 
 
@@ -202,9 +219,9 @@ def test_where_it_is_stopped_nothing_is_found_or_kept(stack):
     network = Line()
     answers = iter([False, True])
     tracker = PointTracker(network, stop=lambda: next(answers, False))
-    assert not len(tracker.detect("side", stack, clicks(5), points=("FR",)).row)
+    assert not len(tracker.detect("side", stack, clicks(5, 20), points=("FR",)).row)
     assert len(network.asked) == 1
-    assert len(tracker.detect("side", stack, clicks(5), points=("FR",)).row) == 39
+    assert len(tracker.detect("side", stack, clicks(5, 20), points=("FR",)).row) > 39
 
 
 def test_paths_that_end_on_clicks_are_believed_and_others_say_nothing(stack):
@@ -212,8 +229,8 @@ def test_paths_that_end_on_clicks_are_believed_and_others_say_nothing(stack):
     placed = clicks(0, 8, 16, 24, 32, 39, points=(0, 1))
     with parameters_set({"point_tracker": {"piece_rows": 40}}):
         right = detect(Line(), stack, placed)
-    # 2 clicks' worth of 0.7, and 20 of all or 10 of the point with 0.9 each; gain 15
-    of_all = (2 * 0.7 + 18) / (2 + 18)
+    # 2 clicks' worth of 0.5, and 20 of all or 10 of the point with 0.9 each; gain 15
+    of_all = (2 * 0.5 + 18) / (2 + 18)
     own = (2 * of_all + 9) / (2 + 9)
     np.testing.assert_allclose(right.log_odds, np.log(15 * 0.9 * (2 * own - 1)))
     # 5.2 px squared, 2 clicks' worth, and 18 of 0 px
@@ -239,10 +256,17 @@ def test_a_point_that_is_lost_is_not_believed_for_the_others(stack):
     assert set(found.point) == {0}
 
 
-def test_one_clicked_frame_is_believed_as_far_as_was_known_before(stack):
-    found = detect(Line(), stack, clicks(20))
-    near = found.log_odds[np.abs(found.row - 20) < 3]
-    np.testing.assert_allclose(near, np.log(15 * 0.9 * (2 * 0.7 - 1)))
+def test_from_one_clicked_frame_nothing_is_asked_and_nothing_said(stack):
+    """Nothing would tell whether it is right."""
+    network = Line()
+    assert not len(detect(network, stack, clicks(20, points=(0, 1))).row)
+    assert not network.asked
+
+
+def test_nothing_is_said_far_from_the_clicks_of_a_long_recording(stack):
+    found = detect(Line(), stack, clicks(3, 8))
+    assert found.row.max() == 18  # twice 5 after 8
+    assert found.row.min() == 0
 
 
 def test_what_the_network_itself_calls_hidden_counts_for_less(stack):
@@ -252,8 +276,8 @@ def test_what_the_network_itself_calls_hidden_counts_for_less(stack):
             probability[:, len(pictures) // 2 :] = 0.15
             return places, probability
 
-    found = detect(Hiding(), stack.part(0, 12), clicks(0))
-    early, late = found.log_odds[found.row < 6], found.log_odds[found.row >= 6]
+    found = detect(Hiding(), stack.part(0, 12), clicks(0, 5))
+    early, late = (found.log_odds[rows] for rows in (found.row < 5, found.row > 5))
     np.testing.assert_allclose(np.exp(early[0] - late), 6)
 
 

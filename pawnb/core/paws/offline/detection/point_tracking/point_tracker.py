@@ -126,9 +126,12 @@ class PointTracker:
         -------
         Detections
             At most two for each point and row: from the click before it, and from that after it.
+            None where each point was clicked in one row.
         """
         del view, points
         placed = annotations.moved(stack.to_body)
+        if all(len(placed.rows_of(point)) < 2 for point in placed.points):
+            return _believed({}, stack, placed)  # no path could end at a click
         queries = _queries(placed, len(stack.grey))
         kept = self.kept.of(stack)
         new = [query for query in queries if not any(path.serves(query) for path in kept)]
@@ -160,7 +163,7 @@ def _believed(paths: Mapping[_Query, _Path], stack: BodyStack, placed: Annotatio
     for query, path in paths.items():
         ratio = POINT_TRACKER.gain * path.probability * reliability.trust[query.point]
         for step in (1, -1):
-            ahead = np.array(query.ahead(query.row + step, step), int)
+            ahead = np.array(query.ahead(query.row + step, step)[: reliability.rows], int)
             rows = ahead[ratio[ahead] >= POINT_TRACKER.lowest]
             found.append(
                 np.column_stack([rows, np.full(len(rows), query.point), path.xy[rows], ratio[rows]])
@@ -184,7 +187,8 @@ def _ends(paths: Mapping[_Query, _Path], placed: Annotations) -> Iterator[PathEn
             # in its own row a path has no probability
             if clicked is not None and path.probability[row] > 0:
                 off_px = float(np.linalg.norm(path.xy[row] - clicked))
-                yield PathEnd(query.point, float(path.probability[row]), off_px)
+                sure = float(path.probability[row])
+                yield PathEnd(query.point, sure, off_px, abs(row - query.row))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ view, then of each, every time with :math:`\nu` pseudo-counts of what was known 
 
 Where a path is wrong it is so for many rows, on another leg as a rule. One that is wrong as often
 as right must therefore say nothing at all: the ratio of likelihoods at a place is
-:math:`1 + G p \max(0, 2 r - 1)`, with the gain :math:`G` of optical flow.
+:math:`1 + G p \max(0, 2 r - 1)`, with the gain :math:`G` of optical flow. For the same reason
+nothing is said before any path has ended at a click (:math:`r_0 = 0.5`), nor much farther from a
+click than paths were right: as to that a network is as sure of what is wrong.
 """
 
 from __future__ import annotations
@@ -34,11 +36,14 @@ class PathEnd:
         What the network says of itself there.
     off_px : float
         Distance from the click, working px.
+    rows : int
+        How many rows it is away from the click from which it was followed.
     """
 
     point: int
     probability: float
     off_px: float
+    rows: int
 
 
 @dataclass(frozen=True)
@@ -52,10 +57,13 @@ class Reliability:
         least.
     sd_px : float
         Standard deviation of those that are right, along each axis, working px.
+    rows : int
+        So many rows away from a click they are believed at most.
     """
 
     trust: dict[int, float]
     sd_px: float
+    rows: int
 
 
 def find_reliability(
@@ -86,7 +94,8 @@ def find_reliability(
     worth = POINT_TRACKER.worth_clicks
     total = worth * POINT_TRACKER.sd_px**2 + sum(e.probability * e.off_px**2 / 2 for e in near)
     weight = worth + sum(end.probability for end in near)
-    return Reliability(trust, float(np.sqrt(total / weight)))
+    rows = int(POINT_TRACKER.reach * max((end.rows for end in near), default=0))
+    return Reliability(trust, float(np.sqrt(total / weight)), rows)
 
 
 def _share_right(ends: Sequence[PathEnd], before: float, near_px: float) -> float:
