@@ -180,6 +180,8 @@ LEARNT = Diagram(
                   "Kalal et al. 2010"),
             Stage("Predictions", "detection.predictions", "Of other tools, where a trial has them.",
                   "Baum et al. 1970"),
+            Stage("Point tracker", "detection.point_tracking",
+                  "A trained network, where a trial names one.", "Doersch et al. 2023"),
             Stage("Appearance", "detection.appearance", "A classifier learnt in the recording."),
         ), "association.associate.ViewEvidence"),
         one("Association", "association",

@@ -389,8 +389,25 @@ def test_predictions_that_fit_no_view_are_one_sentence(tmp_path, given, message)
     assert str(error.value).split(": ", 1)[1] == message
 
 
-def test_predictions_belong_to_a_trial_of_paws(tmp_path):
-    path = write(tmp_path, DETECTIONS, f'{DETECTIONS}\ndetections = ["a.csv", ""]')
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [('detections = ["a.csv", ""]', "detections"), ('point_tracker = "a.pt"', "point_tracker")],
+)
+def test_evidence_that_is_named_belongs_to_a_trial_of_paws(tmp_path, given, named):
+    path = write(tmp_path, DETECTIONS, f"{DETECTIONS}\n{given}")
     path.write_text(path.read_text().replace('kind = "paws"', 'kind = "pose"'))
-    with pytest.raises(InputError, match="detections are taken by a trial of kind 'paws'"):
+    with pytest.raises(InputError, match=f"{named} is for a trial of kind 'paws'"):
         load_trial(path)
+
+
+def test_a_network_that_follows_points_is_no_setting_of_the_tracker(tmp_path):
+    trial = load_trial(write(tmp_path, DETECTIONS, f'{DETECTIONS}\npoint_tracker = "a.pt"'))
+    assert trial.tracking == {"median_px": 3}
+    assert trial.point_tracker == "a.pt"
+    save_trial(trial, tmp_path / "copy.toml")
+    assert load_trial(tmp_path / "copy.toml") == trial
+
+
+def test_a_network_that_is_no_file_is_one_sentence(tmp_path):
+    with pytest.raises(InputError, match=r"point_tracker is 3; expected the file of the weights"):
+        load_trial(write(tmp_path, DETECTIONS, f"{DETECTIONS}\npoint_tracker = 3"))

@@ -224,6 +224,8 @@ class Trial:
         View to a file of another program's predictions, taken as evidence (kind ``paws``).
     detections_points : mapping
         Names of points in those files to the trial's own, where they differ.
+    point_tracker : str, optional
+        File with the weights of BootsTAPIR, whose paths are taken as evidence (kind ``paws``).
     gait : mapping
         Settings of the gait analysis.
 
@@ -255,6 +257,7 @@ class Trial:
     tracking: Mapping[str, Any] = field(default_factory=dict)
     detections: Mapping[str, str] = field(default_factory=dict)
     detections_points: Mapping[str, str] = field(default_factory=dict)
+    point_tracker: str | None = None
     gait: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -263,11 +266,12 @@ class Trial:
             raise InputError(f"[trial] fps is {self.fps}; expected a number above 0.")
         _check_range(self.frames, "[trial] frames")
         _check_unique([view.name for view in self.views], "views")
-        if self.detections and not TRAITS[self.kind].takes_detections:
+        named = "detections" if self.detections else "point_tracker" if self.point_tracker else ""
+        if named and not TRAITS[self.kind].takes_detections:
             taken = " or ".join(repr(kind) for kind, own in TRAITS.items() if own.takes_detections)
             raise InputError(
-                f"[tracking] detections are taken by a trial of kind {taken}, and the kind is "
-                f"{self.kind!r}; leave them out."
+                f"[tracking] {named} is for a trial of kind {taken}, and the kind is "
+                f"{self.kind!r}; leave it out."
             )
         check_detections(self.detections, [view.name for view in self.views])
         if self.views and self.tracks_of_views:

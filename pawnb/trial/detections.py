@@ -1,4 +1,4 @@
-"""Which files of ``[tracking] detections`` belong to which views."""
+"""Files that ``[tracking]`` names as evidence, and which of them belong to which views."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import Any
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import shown
 
-FIELDS = ("detections", "detections_points")
-"""What ``[tracking]`` says of other programs' predictions, beside settings of the tracker."""
+FIELDS = ("detections", "detections_points", "point_tracker")
+"""What ``[tracking]`` names as evidence, beside settings of the tracker: other programs'
+predictions, and the weights of a network that follows points."""
 
 _EXAMPLE = '["cam1DLC.h5"], one file a view, or { cam1 = "cam1DLC.h5" }'
 
@@ -90,3 +91,29 @@ def read_detections_points(given: Any) -> dict[str, str]:
         first, second, *_ = (name for name, point in given.items() if point == twice)
         raise InputError(f"{what}: {first!r} and {second!r} are both {twice!r}; keep one of them.")
     return dict(given)
+
+
+def read_point_tracker(given: Any) -> str | None:
+    """Return the file with the weights of a network that follows points, if one is named.
+
+    Parameters
+    ----------
+    given : object
+        What the trial says.
+
+    Returns
+    -------
+    str or None
+        The file.
+
+    Raises
+    ------
+    InputError
+        If it is something else.
+    """
+    if given is not None and not isinstance(given, str):
+        raise InputError(
+            f"[tracking] point_tracker is {shown(given)}; expected the file of the weights, such "
+            'as "bootstapir_checkpoint_v2.pt".'
+        )
+    return given or None

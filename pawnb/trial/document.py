@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import build_settings, shown
 from pawnb.trial.description import Animal, Calibration, Trial, View
-from pawnb.trial.detections import FIELDS as DETECTION_FIELDS
-from pawnb.trial.detections import read_detections, read_detections_points
+from pawnb.trial.detections import FIELDS as EVIDENCE_FIELDS
+from pawnb.trial.detections import read_detections, read_detections_points, read_point_tracker
 from pawnb.trial.kinds import Kind
 
 PartT = TypeVar("PartT")
@@ -100,11 +100,12 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
             tracks_file=files.file,
             tracks_of_views=of_views,
             tracks_legs=legs,
-            tracking={k: v for k, v in tracking.items() if k not in DETECTION_FIELDS},
+            tracking={k: v for k, v in tracking.items() if k not in EVIDENCE_FIELDS},
             detections=read_detections(
                 tracking.get("detections", {}), [view.name for view in parts["views"]]
             ),
             detections_points=read_detections_points(tracking.get("detections_points", {})),
+            point_tracker=read_point_tracker(tracking.get("point_tracker")),
             **parts,
         )
     except InputError as error:
@@ -254,8 +255,9 @@ def trial_document(trial: Trial) -> dict[str, Any]:
         document["tracks"] = {"file": trial.tracks_file or dict(trial.tracks_of_views)}
         if trial.tracks_legs:
             document["tracks"]["legs"] = dict(trial.tracks_legs)
-    detections = {name: dict(getattr(trial, name)) for name in DETECTION_FIELDS}
-    tracking = {**trial.tracking, **{name: own for name, own in detections.items() if own}}
+    evidence = {name: getattr(trial, name) for name in EVIDENCE_FIELDS}
+    named = {k: own if isinstance(own, str) else dict(own) for k, own in evidence.items() if own}
+    tracking = {**trial.tracking, **named}
     if tracking:
         document["tracking"] = tracking
     if trial.gait:

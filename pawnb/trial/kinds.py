@@ -17,7 +17,8 @@ class KindTraits:
     is_jointed : bool
         Whether a jointed animal is posed, of which the species tells; else points are placed.
     takes_detections : bool
-        Whether other programs' detections are taken as evidence.
+        Whether other programs' detections, and a network that follows points, are taken as
+        evidence.
     has_recording : bool
         Whether there are videos to track; else another program has tracked it.
     """

@@ -11,6 +11,7 @@ from pawnb.errors import InputError
 from pawnb.schema import Tracks
 
 if TYPE_CHECKING:
+    from pawnb.core.paws.offline.detection.evidence import EvidenceKind
     from pawnb.core.paws.offline.detection.predictions import Predictions
 
 
@@ -42,6 +43,9 @@ class TrackingRequest:
     predictions : mapping, optional
         View to what another program predicts there, counted from ``frames[0]``; the default
         method takes it as evidence beside its own.
+    evidence : sequence of EvidenceKind
+        Further kinds of evidence, beside those that packages offer; the default method takes them
+        where points are found by what is learnt in the recording.
     progress : callable, optional
         ``progress(done, total)`` after each frame.
     stop : callable, optional
@@ -57,6 +61,7 @@ class TrackingRequest:
     unit: str = "px"
     tracks: Tracks | None = None
     predictions: Mapping[str, Predictions] = field(default_factory=dict)
+    evidence: Sequence[EvidenceKind] = ()
     progress: Callable[[int, int], None] | None = None
     stop: Callable[[], bool] | None = None
 

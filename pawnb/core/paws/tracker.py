@@ -203,8 +203,8 @@ class OfflineTracker:
     stages: tuple[str, ...] = (
         "colour", "movement", "network_flow", "stride", "gap_closing", "smoothing", "landmarks",
         "treadmill", "scene", "motion", "correlation", "appearance", "association", "identity",
-        "registration", "data_association", "learnt_detection", "predictions", "quality",
-        "quality_limits", "run", "paw_proposal",
+        "registration", "data_association", "learnt_detection", "predictions", "point_tracker",
+        "quality", "quality_limits", "run", "paw_proposal",
     )  # fmt: skip
     packages: tuple[str, ...] = ("pawnb.core.paws.offline", "pawnb.core.paws.start_proposal")
     more_files: tuple[str, ...] = ()

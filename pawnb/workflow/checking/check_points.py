@@ -14,6 +14,7 @@ from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.tracking.methods import tracker_settings
+from pawnb.workflow.tracking.point_tracker import point_trackers
 from pawnb.workflow.tracking.predicted import doubt_predictions, predictions_for
 from pawnb.workflow.tracking.trial_views import frame_range, paw_task, trial_rig
 
@@ -88,12 +89,15 @@ def _check_predictions(
     frames: tuple[int, int],
     report: CheckReport,
 ) -> None:
-    """Read other programs' predictions as tracking will, and doubt those far from the clicks."""
+    """Read what a trial names as evidence as tracking will; doubt predictions far from clicks."""
     try:
+        point_trackers(trial)
         predictions = predictions_for(trial, views, clicks, frames=frames)
     except PawnbError as error:
         report.faults.append(str(error))
         return
+    if trial.point_tracker is not None:
+        report.found.append(f"point tracker: {trial.point_tracker}")
     for view, own in predictions.items():
         share = np.isfinite(own.uv[..., 0]).mean()
         report.found.append(

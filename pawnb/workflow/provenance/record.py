@@ -100,7 +100,8 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
     Returns
     -------
     list of str
-        Videos, backgrounds, species file, calibration, start, tracks, predictions, belt speed.
+        Videos, backgrounds, species file, calibration, start, tracks, predictions, weights, belt
+        speed.
     """
     paths = [view.video for view in trial.views]
     paths += [view.background for view in trial.views if view.background]
@@ -113,6 +114,7 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
         paths += [p for p in (trial.start_file(), trial.start_pose_file()) if p]
     paths += trial.track_files
     paths += trial.detections.values()
+    paths += [trial.point_tracker] if trial.point_tracker else []
     if isinstance(trial.belt_speed, str):
         paths.append(trial.belt_speed)
     return list(dict.fromkeys(paths))

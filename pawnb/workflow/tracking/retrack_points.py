@@ -42,6 +42,7 @@ from pawnb.workflow.tracking.methods import (
 from pawnb.workflow.tracking.opened_run import opened_run
 from pawnb.workflow.tracking.options import RetrackOptions
 from pawnb.workflow.tracking.placed import clicks_by_hand, clicks_learnt_from, clicks_of_frame
+from pawnb.workflow.tracking.point_tracker import point_trackers
 from pawnb.workflow.tracking.predicted import predictions_for
 from pawnb.workflow.tracking.trial_views import paw_task, shown_in_every_view, trial_rig
 
@@ -95,12 +96,13 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
             store = _kept_detections(trial, asked.out, stack)
             given = {"annotations": looked, "kept": KeptEvidence(store)}
         span = (int(known[0] if joint else frame), int(known[-1]) + 1)
-        predictions = {}
+        found: dict[str, Any] = {}
         if tracker.is_offline:
-            predictions = predictions_for(trial, views, clicks, frames=span)
+            found["predictions"] = predictions_for(trial, views, clicks, frames=span)
+            found["evidence"] = point_trackers(trial, asked.stop)
         task = paw_task(
             trial, rig, clicks, frames=span, tracks=None if joint else tracks,
-            predictions=predictions, progress=run.report, stop=asked.stop,
+            progress=run.report, stop=asked.stop, **found,
         )  # fmt: skip
         corrected = Correction(learnt, **given)
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)

@@ -26,6 +26,7 @@ from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
 from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.placed import start_clicks
+from pawnb.workflow.tracking.point_tracker import point_trackers, tell_unused
 from pawnb.workflow.tracking.predicted import predictions_for
 from pawnb.workflow.tracking.trial_views import (
     frame_range,
@@ -69,6 +70,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
+        more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:
             _refuse_more_frames(clicks, asked.method)
             _tell_left_out((asked.frames or trial.frames or (0, last))[0], first)
@@ -83,7 +85,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         span: dict[str, Any] = {"frames": (begin, last), "tracks": earlier}
         if tracker.is_offline:
             span["predictions"] = predictions_for(trial, views, clicks, frames=(begin, last))
-        task = paw_task(trial, rig, clicks, progress=run.report, stop=stop, **span)
+        task = paw_task(trial, rig, clicks, evidence=more, progress=run.report, stop=stop, **span)
         kept = KeptEvidence(store, _stacks(store, quick=asked.quick))
         go = tracker.track if earlier is None else tracker.resume
         tracks = go(views, clicks, task, settings=chosen, kept=kept)
@@ -98,6 +100,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             step["gone_on_from"] = begin
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
+        tell_unused(trial, tracks, clicks)
         tracks = add_likeness(views, tracks, clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -207,7 +207,10 @@ def _asked(layout: Layout, task: TrackingRequest, parameters: OfflineParameters)
     rig = None if layout.rig is None else layout.rig.coefs.tolist()
     known = {view: [a.tobytes().hex() for a in p.of(layout.points)]
              for view, p in task.predictions.items()}  # fmt: skip
-    said = [task.frames, layout.views, layout.points, layout.sizes, rig, known, repr(parameters)]
+    kinds = [kind.name for kind in task.evidence]
+    said = [
+        task.frames, layout.views, layout.points, layout.sizes, rig, known, kinds, repr(parameters)
+    ]  # fmt: skip
     return hashlib.sha256(json.dumps(said).encode()).hexdigest()
 
 
@@ -297,21 +300,10 @@ class _Run:
         stacks = self._stacks(span, [own[v] for v in used], framing, used, advanced)
         if stacks is None:
             return None
+        inputs = self._inputs(span, dict(zip(used, stacks, strict=True)), own)
+        if self.task.stop is not None and self.task.stop():  # a slow kind was broken off, too
+            return None
         first, n_points, again = self.task.frames[0], len(self.layout.points), self.again
-        frames, radius = (first + begin, first + end), self.parameters.appearance.radius
-        inputs, kinds = [], installed_evidence()
-        for v, stack in zip(used, stacks, strict=True):
-            detections = _detections(
-                self.layout, self.task, stack, annotations=own[v], view=v, span=span, kinds=kinds
-            )
-            one = ViewInput(self.layout.views[v], self.layout.sizes[v], stack, own[v], detections)
-            if again is not None:
-                known = again.known(one.name, self.layout.points, first).part(begin, end)
-                earlier = again.earlier(
-                    one.name, self.layout.points, frames=frames, stack=stack, radius=radius
-                )
-                one = dataclasses.replace(one, known=known, earlier=earlier)
-            inputs.append(one)
         rows = None if again is None else again.rows_in(first, span)
         weighing = (
             weigh(inputs, n_points, self.parameters)
@@ -329,7 +321,27 @@ class _Run:
             track = view_track(part, result.points, n_points, chance=chance)
             take_over(self.found[v], track, begin + (rows or (0, 0))[0])
             self._take_lessons(one.name, result.learnt, begin)
-        return [_said(one) for one in inputs]
+        return [one.how_framed() for one in inputs]
+
+    def _inputs(
+        self, span: tuple[int, int], stacks: Mapping[int, BodyStack], own: Sequence[Annotations]
+    ) -> list[ViewInput]:
+        """Return what comes into the pipeline for each view that is used, in one window."""
+        begin, end = span
+        first, points, again = self.task.frames[0], self.layout.points, self.again
+        frames, radius = (first + begin, first + end), self.parameters.appearance.radius
+        inputs, kinds = [], [*installed_evidence(), *self.task.evidence]
+        for v, stack in stacks.items():
+            detections = _detections(
+                self.layout, self.task, stack, annotations=own[v], view=v, span=span, kinds=kinds
+            )
+            one = ViewInput(self.layout.views[v], self.layout.sizes[v], stack, own[v], detections)
+            if again is not None:
+                known = again.known(one.name, points, first).part(begin, end)
+                earlier = again.earlier(one.name, points, frames=frames, stack=stack, radius=radius)
+                one = dataclasses.replace(one, known=known, earlier=earlier)
+            inputs.append(one)
+        return inputs
 
     def _take_lessons(self, view: str, learnt: Learnt, begin: int) -> None:
         """Take what was learnt in a window; how far kinds agree is that of the first one."""
@@ -406,15 +418,3 @@ def _reporter(task: TrackingRequest, *, done: int, of: int) -> Callable[[int], b
         return task.stop is None or not task.stop()
 
     return advanced
-
-
-def _said(view: ViewInput) -> str:
-    """Say how the body's frame of a view was found."""
-    body = view.stack.body
-    how = {
-        "stays": "the animal stays in place",
-        "follows": "it follows the animal",
-        "travels": "it follows the animal",
-        "turns": "it follows the animal and turns with it",
-    }[body.kind]
-    return f"{view.name}: {how}" + (", the camera moves" if body.pans else "")

@@ -54,3 +54,14 @@ class ViewInput:
             annotations=Annotations(placed).part(begin, end),
             detections=[found.part(begin, end) for found in self.detections],
         )
+
+    def how_framed(self) -> str:
+        """Say how the body's frame of the view was found."""
+        body = self.stack.body
+        how = {
+            "stays": "the animal stays in place",
+            "follows": "it follows the animal",
+            "travels": "it follows the animal",
+            "turns": "it follows the animal and turns with it",
+        }[body.kind]
+        return f"{self.name}: {how}" + (", the camera moves" if body.pans else "")

@@ -1,10 +1,11 @@
-"""Parameters of the stages ``learnt_detection`` and ``predictions``."""
+"""Parameters of the stages ``learnt_detection``, ``predictions`` and ``point_tracker``."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from pawnb.core.parameters import in_force
+from pawnb.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -273,4 +274,67 @@ class PredictionParameters:
 
 
 PREDICTIONS = in_force("predictions", PredictionParameters())
+"""The values in force; see :func:`pawnb.core.parameters.in_force`."""
+
+
+@dataclass(frozen=True)
+class PointTrackerParameters:
+    """How a trained network that a trial names follows clicks.
+
+    No trained weights were at hand: nothing here was chosen by what it does to tracks.
+
+    Parameters
+    ----------
+    side_px : int
+        Pictures are scaled to squares of this side, a multiple of 8. Doersch et al. 2024, whose
+        network was trained with 256 and does best with 512.
+    piece_rows : int
+        Frames that are looked at together: with 512 px they take about 4 GB. Measured: 24 took 2.
+    overlap_rows : int
+        Frames that two pieces share. Set by hand.
+    sure : float
+        A path goes on into the next piece from a place of at least this probability. Doersch et al.
+        2023, who call a point visible from there on.
+    right : float
+        Share of paths that are right at the next click, before any is seen; at 0.5 they say nothing
+        then. Measured: two patches of the same look that pass each other, one clicked frame, and a
+        network that goes over to the other one 8 frames after a click. With 0.7, 99 % of labels
+        that were right without it became 23 %, at a confidence of 0.91.
+    worth_clicks : float
+        How many clicks that is worth. Set by hand.
+    sd_px : float
+        Standard deviation of a place before any click is seen, working px: that of ``motion``. Set
+        by hand.
+    reach : float
+        Paths are believed so many times as far from a click as any was found right. Set by hand.
+    gain : float
+        Ratio of likelihoods at a place that is fully trusted: that of ``motion``. Set by hand.
+    lowest : float
+        Places of a lower ratio carry nothing. Set by hand.
+    """
+
+    side_px: int = 512
+    piece_rows: int = 48
+    overlap_rows: int = 12
+    sure: float = 0.5
+    right: float = 0.5
+    worth_clicks: float = 2.0
+    reach: float = 2.0
+    sd_px: float = 5.2
+    gain: float = 15.0
+    lowest: float = 0.1
+
+    def __post_init__(self) -> None:
+        if self.side_px < 8 or self.side_px % 8:
+            raise InputError(
+                f"point_tracker.side_px is {self.side_px}; expected a multiple of 8, such as 256."
+            )
+        if not 0 < self.overlap_rows < self.piece_rows:
+            raise InputError(
+                f"point_tracker.overlap_rows is {self.overlap_rows}; expected 1 or more, and fewer "
+                f"than piece_rows, {self.piece_rows}."
+            )
+
+
+POINT_TRACKER = in_force("point_tracker", PointTrackerParameters())
 """The values in force; see :func:`pawnb.core.parameters.in_force`."""
