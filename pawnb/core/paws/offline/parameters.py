@@ -297,9 +297,9 @@ class RunParameters:
         colour; in one they had 0.02 more and 4 wrong for none, and the sixth is good by colour, as
         are the scenes without H.264. Tracks that are not good themselves replace failed ones only:
         at 50 frames per second (seed 31) strides were thought surer and had 84 of 1000 wrong,
-        colour 11; neither was good. What is learnt is compared with tracks of which one point failed by
-        the same margin: chosen on a balancing man filmed by four cameras, two clicked frames, where
-        strides had 41 % right (51 expected) and what is learnt 65 (76).
+        colour 11; neither was good. What is learnt is compared with tracks of which one point
+        failed by the same margin: chosen on a balancing man filmed by four cameras, two clicked
+        frames, where strides had 41 % right (51 expected) and what is learnt 65 (76).
     shared_much : float
         Tracks in which two paws share a place in space in more than this share of frames take the
         place of such only that share one in more: in a scene of another renderer (colour, 125
