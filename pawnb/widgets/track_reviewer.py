@@ -26,6 +26,7 @@ from pawnb.widgets.questions import Questions
 from pawnb.widgets.retracking import RetrackTrial, file_beside
 from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
+from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.reviewing.foreign import Videos, open_foreign
 
@@ -143,7 +144,7 @@ class TrackReviewer(Comparing, Questions):
             save=save,
             before=None if write is not None else self._tracks_before(folder),
         )
-        self._open_tracks(tracks)
+        self._open_tracks(as_described_now(tracks, trial))
         self._compare(tracks, against, against_name, rig=rig)
         self._offer_doubtful(self._find_doubtful())
         first, last = self.session.span

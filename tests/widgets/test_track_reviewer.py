@@ -1,5 +1,8 @@
 """TrackReviewer without a browser: what it offers to look at."""
 
+import dataclasses
+
+import numpy as np
 import pandas as pd
 import pytest
 import small_trial as scene
@@ -7,12 +10,12 @@ import small_trial as scene
 from pawnb import load_trial
 from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.io import read_tracks
 from pawnb.io.native import write_tracks
 from pawnb.widgets import TrackReviewer
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
-from pawnb.workflow.provenance.results import write_track_results
+from pawnb.workflow.provenance.results import describe_trial, write_track_results
 
 
 @pytest.fixture(scope="module")
@@ -54,6 +57,19 @@ def test_doubtful_frames_are_found_by_themselves_and_again_after_tracking_again(
     widget._worker.join(60)
     assert widget.alarm == ""
     assert offered(widget) == []
+
+
+def test_a_frame_rate_that_was_mended_since_tracking_is_used(trial_file, tmp_path):
+    trial = load_trial(trial_file)
+    tracks = describe_trial(scene.true_tracks(), trial)
+    slower = dataclasses.replace(trial, fps=trial.fps / 10.0)
+    with pytest.warns(InputWarning, match="fps was changed"):
+        widget = TrackReviewer(slower, tracks, edits=tmp_path / "edits.jsonl", retrack=mend)
+    try:
+        assert widget.tracks.attrs["fps"] == trial.fps / 10.0
+        np.testing.assert_allclose(widget.tracks["time"], tracks["time"] * 10.0)
+    finally:
+        widget.close()
 
 
 def test_colours_are_learnt_anew_where_a_person_asks(trial_file, tmp_path):

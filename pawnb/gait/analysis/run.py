@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -10,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.arrays import FloatArray
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
 from pawnb.gait.cycles.leg_signals import LegSignals
@@ -94,6 +96,11 @@ def analyse(
         If the tracks do not follow the schema, a leg or setting is unknown, no leg is
         ever seen, or the belt speed cannot be used.
 
+    Warns
+    -----
+    InputWarning
+        If the trial has another frame rate than the tracks, as after ``trial.toml`` was mended.
+
     Examples
     --------
     >>> gait = pawnb.gait.analyse(tracks, trial=run.trial)
@@ -106,6 +113,14 @@ def analyse(
     where = f"trial {trial.name!r}" if trial is not None else "these tracks"
     settings = _settings(settings)
     check_tracks(tracks, where=where)
+    if trial is not None and not math.isclose(tracks.attrs["fps"], trial.fps, rel_tol=1e-6):
+        warnings.warn(
+            f"{where} has {trial.fps:g} frames/s and these tracks {tracks.attrs['fps']:g}: times "
+            "are those of the tracks. If the trial was mended since, pawnb.run_gait(trial) brings "
+            "tracks to it.",
+            InputWarning,
+            stacklevel=2,
+        )
     named = choose_legs(tracks, trial=trial, legs=legs, where=where)
     grid, dense = put_on_grid(tracks, where=where)
     belt = _belt_on_grid(belt_speed, trial, grid)

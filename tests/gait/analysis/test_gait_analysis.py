@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from walking import Walk
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.gait import EventSettings, analyse, analyse_events, pool
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.schema import (
@@ -540,3 +540,9 @@ def test_what_is_shown_of_the_tables_is_short_however_many_there_are():
     assert shown.startswith("GaitTables(3 trials of 3 animals; events: ")
     assert f"strides: {len(tables.strides)} rows" in shown
     assert "corrected" not in shown
+
+
+def test_a_trial_of_another_frame_rate_than_its_tracks_is_said():
+    tracks = Walk().tracks()
+    with pytest.warns(InputWarning, match="has 24 frames/s and these tracks 250: times are those"):
+        analyse(tracks, trial=make_trial(fps=24.0))
