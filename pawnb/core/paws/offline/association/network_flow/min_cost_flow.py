@@ -4,7 +4,8 @@ Every point goes from tracklet to tracklet, through all its anchors; between two
 occluded. One that is not placed in the first frame begins wherever that is cheapest, as every
 point ends. No tracklet belongs to two points. The sum of all costs is lowest over the whole
 recording: a flow of several commodities, solved as a linear programme (whose solution is
-whole-numbered in practice; where it is not, it is solved again in whole numbers).
+whole-numbered in practice; where it is not, it is solved again in whole numbers). How long that may
+take is limited by its size and not by a clock, so that a busy machine gives the same tracks.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_
 from pawnb.core.paws.offline.association.network_flow.pruning import useful_links
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
 
-_SOLVER_LIMIT_S = 60.0
-"""Resource: time, s, after which the best association so far is taken."""
+_WHOLE_WITHIN = 1e-6
+"""How far numbers may lie off whole ones and still be them: the solver's own accuracy."""
 
 
 class MinCostFlow:
@@ -174,16 +175,29 @@ def _optimum(what: IntArray, cost: FloatArray, begin: IntArray, need: BoolArray)
     constraints = [
         LinearConstraint(A, b, b), LinearConstraint(single, need.astype(float), 1.0),
     ]  # fmt: skip
-    whole = np.zeros(len(cost))
-    answer = milp(cost, constraints=constraints, bounds=Bounds(0, 1), integrality=whole)
-    x = answer.x
-    if x is None or np.abs(x - np.round(x)).max() > 1e-6:
-        answer = milp(
-            cost, constraints=constraints, bounds=Bounds(0, 1), integrality=np.ones(len(cost)),
-            options={"mip_rel_gap": NETWORK_FLOW.solver_gap, "time_limit": _SOLVER_LIMIT_S},
-        )  # fmt: skip
-        x = answer.x
-    return np.asarray(x)
+    relaxed = milp(cost, constraints=constraints, bounds=Bounds(0, 1)).x
+    if relaxed is None:
+        return np.zeros(len(cost))
+    if np.abs(relaxed - np.round(relaxed)).max() <= _WHOLE_WITHIN:
+        return np.asarray(relaxed)
+    # of a large programme only the links that its relaxation uses: all would take minutes
+    is_small = len(cost) <= NETWORK_FLOW.solver_links
+    used = np.flatnonzero((relaxed > _WHOLE_WITHIN) | is_small)
+    found = milp(
+        cost[used],
+        constraints=[LinearConstraint(one.A[:, used], one.lb, one.ub) for one in constraints],
+        bounds=Bounds(0, 1),
+        integrality=np.ones(len(used)),
+        options={
+            "mip_rel_gap": NETWORK_FLOW.solver_gap,
+            "node_limit": NETWORK_FLOW.solver_nodes,
+        },
+    ).x
+    if found is None:  # paths then end where their links are shared by halves or less
+        return np.asarray(relaxed)
+    x = np.zeros(len(cost))
+    x[used] = found
+    return x
 
 
 def _follow(used: IntArray, begin: IntArray, n_tracklets: int) -> list[list[int]]:

@@ -1,11 +1,16 @@
 """Links left out by bounds: the cheapest paths, found by trying all, never need them."""
 
+import dataclasses
 import itertools
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import milp
 
+from pawnb.core.parameters import values_in_force
+from pawnb.core.paws.offline.association.network_flow import min_cost_flow
 from pawnb.core.paws.offline.association.network_flow.min_cost_flow import _optimum
 from pawnb.core.paws.offline.association.network_flow.pruning import useful_links
 
@@ -107,3 +112,42 @@ def test_bounds_hold_where_prices_go_back_to_better_ones():
     best = cost @ _optimum(rows, cost, begin, need)
     again = cost[keep] @ _optimum(rows[keep], cost[keep], begin, need)
     np.testing.assert_allclose(again, best, atol=1e-6)
+
+
+def passes_each_once(x, rows, begin, need):
+    """Whether whole paths lead from where points begin to their ends, none over another's."""
+    entered = np.bincount(rows[x > 0.5, 2][rows[x > 0.5, 2] >= 0], minlength=len(need))
+    ends = [int(rows[k, 0]) for k in np.flatnonzero(x > 0.5) if rows[k, 2] < 0]
+    return (
+        entered.max() <= 1 and (entered[need] == 1).all() and sorted(ends) == [*range(len(begin))]
+    )
+
+
+@pytest.mark.parametrize("seed", [2, 28, 54, 76])  # whose relaxation is not whole-numbered
+def test_a_large_programme_is_solved_over_the_links_of_its_relaxation(monkeypatch, seed):
+    rows, cost, begin, need = network(seed, 4, 10, 3)
+    best = cost @ _optimum(rows, cost, begin, need)
+    small = dataclasses.replace(values_in_force(min_cost_flow.NETWORK_FLOW), solver_links=0)
+    monkeypatch.setattr(min_cost_flow, "NETWORK_FLOW", small)
+    asked = []
+    monkeypatch.setattr(min_cost_flow, "milp", lambda c, **k: asked.append(len(c)) or milp(c, **k))
+    x = _optimum(rows, cost, begin, need)
+    assert len(asked) == 2
+    assert asked[1] < asked[0]
+    assert passes_each_once(x, rows, begin, need)
+    assert cost @ x >= best - 1e-6
+
+
+def test_where_these_links_do_not_suffice_paths_end_where_they_are_shared(monkeypatch):
+    """As in a dog filmed indoors, with 41,000 links: asked for nothing, it was an error."""
+    rows, cost, begin, need = network(2, 4, 10, 3)
+
+    def whole_fails(c, **options):
+        found = milp(c, **options)
+        if options.get("integrality") is not None:
+            found.x = None
+        return found
+
+    monkeypatch.setattr(min_cost_flow, "milp", whole_fails)
+    x = _optimum(rows, cost, begin, need)
+    assert np.bincount(rows[x > 0.5, 2][rows[x > 0.5, 2] >= 0]).max() <= 1
