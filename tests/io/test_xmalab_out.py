@@ -65,6 +65,7 @@ def test_xmalab_shows_markers_where_they_are(tmp_path, heights):
     assert [one.name for one in tmp_path.iterdir()] == ["markers.csv"]
 
 
+@pytest.mark.slow
 @given(arrays(float, (4, 2, 2, 3), elements=st.one_of(NUMBERS, st.just(np.nan))))
 def test_markers_in_the_views_come_back(tmp_path_factory, place):
     place[np.isnan(place).any(axis=2).repeat(2, axis=1).reshape(place.shape)] = np.nan

@@ -175,6 +175,7 @@ def test_energy_is_the_sum_of_its_terms(scene):
     assert view.terms["shape prior"] >= -np.log(prior[seen]).sum() * (1 - 1e-6)
 
 
+@pytest.mark.slow
 def test_segmentation_is_the_animal_and_prior_half_at_the_thickness(scene):
     view = explain_energy(scene.picture, scene.pose, animal=scene.animal,
                           background=scene.background)  # fmt: skip

@@ -143,6 +143,7 @@ def test_hidden_swings_are_near_the_truth_and_nearer_than_smoothed(seed):
     assert off < 0.6 * smoothed
 
 
+@pytest.mark.slow
 def test_the_stated_sd_of_places_and_lift_offs_is_honest():
     error, late = [], []
     for seed in range(8):
