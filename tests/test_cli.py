@@ -155,6 +155,7 @@ def test_words_that_make_no_command(capsys):
     assert err.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_python_m_pawnb_is_the_command():
     done = subprocess.run(
         [sys.executable, "-m", "pawnb", "--version"], capture_output=True, text=True, check=True

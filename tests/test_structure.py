@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 from collections import Counter
 from pathlib import Path
 
@@ -29,6 +30,12 @@ ONE_THOUGHT = {
 GROUPED = ("core", "gait", "workflow")
 DATA = {"pawnb/core/pose/species"}
 """Folders of data, which have no rooms behind their door."""
+
+
+@functools.cache
+def parsed(path):
+    """Read the code of a file once for all tests."""
+    return ast.parse(path.read_text(encoding="utf-8"))
 
 
 def folder_of(path):
@@ -67,7 +74,7 @@ def test_no_function_is_too_long_but_those_named():
     long = {
         node.name
         for path in PACKAGE.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for node in ast.walk(parsed(path))
         if isinstance(node, ast.FunctionDef) and lines_of_body(node) > LINES_OF_A_FUNCTION
     }
     assert long == set(ONE_THOUGHT)
@@ -78,7 +85,7 @@ def test_every_door_says_what_comes_in_and_what_goes_out(part):
     doors = [path for path in (PACKAGE / part).rglob("__init__.py") if path.parent.name != part]
     silent = []
     for path in doors:
-        said = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        said = ast.get_docstring(parsed(path)) or ""
         if folder_of(path) not in DATA and not ("Comes in:" in said and "Goes out:" in said):
             silent.append(folder_of(path))
     assert silent == []
@@ -114,7 +121,7 @@ def places_of_names(found_in):
     """Return each name to the files that define it, where several do."""
     places = {}
     for path in PACKAGE.rglob("*.py"):
-        code = ast.parse(path.read_text(encoding="utf-8"))
+        code = parsed(path)
         for name in found_in(code):
             places.setdefault(name, []).append(path.relative_to(ROOT).as_posix())
     assert len(places) > 500
@@ -161,5 +168,5 @@ def bare_arrays(body):
 @pytest.mark.parametrize("part", TYPED_PARTS)
 def test_arrays_of_public_functions_say_their_kind(part):
     files = [path for path in (PACKAGE / part).rglob("*.py") if not path.stem.endswith("_kernels")]
-    bare = {p: len(list(bare_arrays(ast.parse(p.read_text("utf-8")).body))) for p in files}
+    bare = {p: len(list(bare_arrays(parsed(p).body))) for p in files}
     assert {path: count for path, count in bare.items() if count} == {}

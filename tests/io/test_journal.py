@@ -39,6 +39,7 @@ NOTES = st.builds(
 )
 
 
+@pytest.mark.slow
 @given(NOTES)
 def test_a_line_gives_back_the_record(note):
     line = LINES.to_line(note)

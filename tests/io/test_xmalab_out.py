@@ -76,6 +76,7 @@ def test_markers_in_the_views_come_back(tmp_path_factory, place):
     np.testing.assert_allclose(found["image_position"][..., 0], place, rtol=1e-15, atol=2e-12)
 
 
+@pytest.mark.slow
 @given(arrays(float, (4, 3, 2), elements=NUMBERS), st.integers(0, 30))
 def test_markers_in_space_come_back_with_their_frames(tmp_path_factory, place, first):
     tracks = make_tracks(range(first, first + 4), ["FR", "HR"], fps=100.0, space=("x", "y", "z"))

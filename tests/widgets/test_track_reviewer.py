@@ -1,6 +1,7 @@
 """TrackReviewer without a browser: what it offers to look at."""
 
 import dataclasses
+import warnings
 
 import numpy as np
 import pandas as pd
@@ -10,7 +11,7 @@ import small_trial as scene
 from pawnb import load_trial
 from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
-from pawnb.errors import InputError, InputWarning
+from pawnb.errors import InputError
 from pawnb.io import read_tracks
 from pawnb.io.native import write_tracks
 from pawnb.widgets import TrackReviewer
@@ -59,13 +60,16 @@ def test_doubtful_frames_are_found_by_themselves_and_again_after_tracking_again(
     assert offered(widget) == []
 
 
-def test_a_frame_rate_that_was_mended_since_tracking_is_used(trial_file, tmp_path):
+def test_a_frame_rate_that_was_mended_since_tracking_is_used(trial_file, tmp_path, monkeypatch):
     trial = load_trial(trial_file)
     tracks = describe_trial(scene.true_tracks(), trial)
     slower = dataclasses.replace(trial, fps=trial.fps / 10.0)
-    with pytest.warns(InputWarning, match="fps was changed"):
-        widget = TrackReviewer(slower, tracks, edits=tmp_path / "edits.jsonl", retrack=mend)
+    said = []
+    # threads of other widgets exchange the filters of warnings, so that pytest.warns may miss one
+    monkeypatch.setattr(warnings, "warn", lambda text, *_a, **_k: said.append(text))
+    widget = TrackReviewer(slower, tracks, edits=tmp_path / "edits.jsonl", retrack=mend)
     try:
+        assert any("fps was changed" in text for text in said)
         assert widget.tracks.attrs["fps"] == trial.fps / 10.0
         np.testing.assert_allclose(widget.tracks["time"], tracks["time"] * 10.0)
     finally:

@@ -102,6 +102,7 @@ def test_a_bar_says_that_it_is_compiled_not_how_much_is_done(monkeypatch):
     assert "%" not in said
 
 
+@pytest.mark.slow
 def test_nothing_but_compiling_is_said_before_the_first_frame(monkeypatch):
     terminal = make_terminal(monkeypatch)
     with progress.tracking_progress(None, "tracking", kind=None):

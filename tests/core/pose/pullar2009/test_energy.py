@@ -200,6 +200,7 @@ def test_joints_beyond_their_range_cost_softly(scene):
     assert energy.limits(vector) == pytest.approx(2.0 * energy.parameters.sigma * 7.5**2, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_higher_ising_parameter_gives_smoother_borders(scene):
     def borders(ising):
         x = explain_energy(

@@ -167,6 +167,7 @@ def test_the_stated_sd_of_places_and_lift_offs_is_honest():
     assert 0.5 < np.sqrt(np.mean(np.square(late))) < 1.5
 
 
+@pytest.mark.slow
 def test_lift_offs_are_found_by_what_is_seen_later():
     made = walk(seed=11)
     late = [[replace(one, stop=one.stop + 4) for one in mine] for mine in made.stances]
