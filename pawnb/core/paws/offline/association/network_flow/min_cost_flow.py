@@ -28,7 +28,7 @@ from pawnb.core.paws.offline.association.network_flow.pruning import useful_link
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
 
 _WHOLE_WITHIN = 1e-6
-"""How far numbers may lie off whole ones and still be them: the solver's own accuracy."""
+"""Numerics: how far the solver's whole numbers may lie off them."""
 
 
 class MinCostFlow:
