@@ -84,11 +84,13 @@ def _graph(
     """Return the arcs: through tracklets, between them, and beside them while hidden.
 
     Nodes 2 i and 2 i + 1 are begin and end of tracklet i; after them comes a node for every row
-    in which a tracklet begins or has ended: the point is hidden there.
+    in which a tracklet begins or may be left: the point is hidden there. A tracklet may be left
+    some rows before its end, as the next one may be seen before it has ended.
     """
     begins = np.array([one.begin for one in tracklets])
     ends = np.array([one.end for one in tracklets])
-    rows = np.unique(np.concatenate([begins, ends + 1, [0, n]]))
+    left = np.maximum(begins, ends - LINKS.overlap_rows) + 1
+    rows = np.unique(np.concatenate([begins, left, ends + 1, [0, n]]))
     first = 2 * len(tracklets)
     at_row = {int(row): first + i for i, row in enumerate(rows)}
     arcs: list[tuple[int, int, float, int]] = [
@@ -101,7 +103,10 @@ def _graph(
         enter = parameters.lost if begins[i] > 0 else 0.0
         leave = parameters.lost if ends[i] < n - 1 else 0.0
         arcs.append((at_row[int(begins[i])], 2 * i, enter, -1))
-        arcs.append((2 * i + 1, at_row[int(ends[i]) + 1], leave, -1))
+        after = int(left[i]) if ends[i] < n - 1 else n
+        # the rows up to its end are paid for as hidden ones on the way
+        leave -= parameters.hidden * (int(ends[i]) + 1 - after)
+        arcs.append((2 * i + 1, at_row[after], leave, -1))
     arcs += _continuations(tracklets, begins, ends, radius, parameters)
     source, target, cost, through = map(np.array, zip(*arcs, strict=True))
     return _Arcs(source, target, cost, through)

@@ -12,7 +12,13 @@ from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.identities import decide
 from pawnb.core.paws.offline.association.parameters import LINKS
-from pawnb.core.paws.offline.association.tracklets import ViewTracklet, find_candidates, link
+from pawnb.core.paws.offline.association.tracklets import (
+    ViewTracklet,
+    cut_at_meetings,
+    cut_between_clicks,
+    find_candidates,
+    link,
+)
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import IdentityParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
@@ -60,50 +66,40 @@ def tell_apart(
     """
     points = sorted(masses)
     n = stack.shape[0]
-    side = int(LINKS.taken_radii * radius) | 1
     placed = _clicked_places(stack, annotations, points)
 
-    def own(point: int, t: int) -> Float32Array:
-        return looks[point][t] / (1 + looks[point][t])
-
-    def candidates(t: int) -> FloatArray:
-        score = np.minimum(np.sum([own(p, t) for p in points], axis=0), 1.0)
-        for p in points:
-            score = np.maximum(score, cv2.blur(masses[p][t], (side, side)) * side**2)
-        return find_candidates(
-            score, sure=[place for _, place in placed.get(t, [])], most=2 * len(points) + 2,
-            radius=radius, parameters=parameters,
-        )  # fmt: skip
-
-    found = in_parts(candidates, range(n))
-    tracklets = [
-        one
-        for one in link(found, stack.forward, stack.backward, radius=radius, parameters=parameters)
-        if len(one.places) > 1 or one.begin in placed
-    ]
+    tracklets = _tracklets(
+        stack, points, placed, masses=masses, looks=looks, radius=radius, parameters=parameters
+    )
     if not tracklets:
         return [], np.empty(0, int)
-    clicked = {}
-    for i, one in enumerate(tracklets):
-        for t in set(one.rows.tolist()) & set(placed):
-            for point, place in placed[t]:
-                if np.linalg.norm(one.places[t - one.begin] - place) < 1e-6:
-                    clicked[i] = points.index(point)
-    gains = np.stack(
-        [
-            _gains(
-                one,
-                points,
-                others=others,
-                looks=looks,
-                prior=prior,
-                trust=trust,
-                alike=parameters.alike,
-            )
-            for one in tracklets
-        ]
-    )
-    names = decide(tracklets, gains, clicked, n=n, radius=radius, parameters=parameters)
+    clicked = {
+        i: points.index(point)
+        for i, one in enumerate(tracklets)
+        for t, here in placed.items()
+        for point, place in here
+        if one.passes(t, place)
+    }
+
+    def gains_of(i: int, may: Sequence[int]) -> FloatArray:
+        return _gains(
+            tracklets[i], points, may=may, others=others, looks=looks, prior=prior, trust=trust,
+            alike=parameters.alike,
+        )  # fmt: skip
+
+    columns = tuple(range(len(points)))
+    gains = np.stack([gains_of(i, columns) for i in range(len(tracklets))])
+
+    def decided() -> IntArray:
+        return decide(tracklets, gains, clicked, n=n, radius=radius, parameters=parameters)
+
+    names = decided()
+    # by elimination: what lasts beside named ones is compared among the points that are left
+    for i in np.flatnonzero(names < 0).tolist():
+        may = sorted(set(columns) - _elsewhere(tracklets[i], tracklets, names))
+        if may:
+            gains[i] = gains_of(i, may)
+    names = decided()
     return tracklets, np.array([points[k] if k >= 0 else -1 for k in names], int)
 
 
@@ -119,10 +115,49 @@ def _clicked_places(
     }
 
 
+def _tracklets(
+    stack: BodyStack,
+    points: Sequence[int],
+    placed: Mapping[int, Sequence[tuple[int, np.ndarray]]],
+    *,
+    masses: Mapping[int, Float32Array],
+    looks: Mapping[int, Float32Array],
+    radius: float,
+    parameters: IdentityParameters,
+) -> list[ViewTracklet]:
+    """Return what may be any of the points, each one thing as far as that can be told."""
+    side = int(LINKS.taken_radii * radius) | 1
+
+    def own(point: int, t: int) -> Float32Array:
+        return looks[point][t] / (1 + looks[point][t])
+
+    def candidates(t: int) -> FloatArray:
+        score = np.minimum(np.sum([own(p, t) for p in points], axis=0), 1.0)
+        for p in points:
+            score = np.maximum(score, cv2.blur(masses[p][t], (side, side)) * side**2)
+        return find_candidates(
+            score, sure=[place for _, place in placed.get(t, [])], most=2 * len(points) + 2,
+            radius=radius, parameters=parameters,
+        )  # fmt: skip
+
+    found = in_parts(candidates, range(stack.shape[0]))
+    tracklets = [
+        one
+        for one in link(found, stack.forward, stack.backward, radius=radius, parameters=parameters)
+        if len(one.places) > 1 or one.begin in placed
+    ]
+    tracklets = cut_at_meetings(tracklets, radius)
+    for p in points:
+        clicked = [(t, at) for t in sorted(placed) for point, at in placed[t] if point == p]
+        tracklets = cut_between_clicks(tracklets, clicked)
+    return tracklets
+
+
 def _gains(
     one: ViewTracklet,
     points: Sequence[int],
     *,
+    may: Sequence[int],
     others: Mapping[int, Float32Array],
     looks: Mapping[int, Float32Array],
     prior: Mapping[int, Float32Array],
@@ -139,16 +174,16 @@ def _gains(
     of_any = np.clip(share.sum(axis=1), LINKS.there_unsure, 1.0 - LINKS.there_unsure)
     there = np.clip(np.log(of_any / (1 - of_any)), -LINKS.most_there, LINKS.most_there)
     name = np.log(share + LINKS.names_unsure) - np.log(
-        (share + LINKS.names_unsure).mean(axis=1, keepdims=True)
+        (share[:, may] + LINKS.names_unsure).mean(axis=1, keepdims=True)
     )
     motion = np.stack([others[p][t, y, x] for p in points], axis=1).astype(float)
     wont = np.stack([prior[p][y, x] for p in points], axis=1).astype(float)
     mean = wont.mean(axis=1, keepdims=True)
     at_all = np.clip(np.log(mean[:, 0] * h * w), -LINKS.most_there, LINKS.most_there / 2)
     log = (there + at_all)[:, None] + trust * name + np.log(motion)
-    m = len(t)
-    gains = log.mean(axis=0) * m / (1 + (m - 1) * alike)
-    return np.asarray(gains + np.log(wont / mean).mean(axis=0))
+    m = one.whole or len(t)
+    gains = log.sum(axis=0) / (1 + (m - 1) * alike)
+    return np.asarray(gains + np.log(wont / mean).sum(axis=0) / m)
 
 
 def paint_names(
@@ -186,7 +221,8 @@ def paint_names(
     _, h, w = shape
     reach = int(np.ceil(4 * LINKS.decided_sd + radius))
     for one, name in zip(tracklets, names, strict=True):
-        if name < 0:
+        shut = set(points) - {int(name)} if name >= 0 else _elsewhere(one, tracklets, names)
+        if not shut:
             continue
         for t, (cx, cy) in zip(one.rows, one.places, strict=True):
             x0, x1 = max(0, int(cx) - reach), min(w, int(cx) + reach + 1)
@@ -196,8 +232,22 @@ def paint_names(
             y, x = np.mgrid[y0:y1, x0:x1]
             taken = (x - cx) ** 2 + (y - cy) ** 2 < (LINKS.closed_radii * radius) ** 2
             closed = np.where(taken, 1 - parameters.closed, 1).astype(np.float32)
-            bump = bump_at(closed.shape, (cx - x0, cy - y0), LINKS.decided_sd)
-            for p in points:
-                part = factors[p][t, y0:y1, x0:x1]
-                part *= 1 + parameters.gain * bump if p == name else closed
+            for p in shut:
+                factors[p][t, y0:y1, x0:x1] *= closed
+            if name >= 0:
+                bump = bump_at(closed.shape, (cx - x0, cy - y0), LINKS.decided_sd)
+                factors[int(name)][t, y0:y1, x0:x1] *= 1 + parameters.gain * bump
     return factors
+
+
+def _elsewhere(one: ViewTracklet, tracklets: Sequence[ViewTracklet], names: IntArray) -> set[int]:
+    """Return the points that a tracklet without a name cannot be: they are seen beside it.
+
+    A point is in one place, and a tracklet is one thing: what lasts while a point is in another
+    tracklet is not that point in its other rows either.
+    """
+    return {
+        int(name)
+        for other, name in zip(tracklets, names, strict=True)
+        if name >= 0 and min(one.end, other.end) - max(one.begin, other.begin) >= LINKS.overlap_rows
+    }

@@ -80,6 +80,9 @@ class DataAssociationParameters:
         Blur, in radii, of where a point was before it is a prior. Set by hand.
     prior_even : float
         Share of such a prior that is even. Set by hand.
+    beside_radii : float
+        A tracklet is cut where another begins or ends so near to it, in radii. Set by hand, half as
+        far again as candidates are from each other.
     peak_blur : float
         Blur, in places of the grid, before peaks are taken. Set by hand.
     met_radii : float
@@ -116,6 +119,7 @@ class DataAssociationParameters:
     prior_narrower: tuple[float, ...] = (1.0, 0.8, 0.65)
     prior_blur_radii: float = 1.2
     prior_even: float = 0.15
+    beside_radii: float = 2.25
     peak_blur: float = 0.8
     met_radii: float = 0.75
 

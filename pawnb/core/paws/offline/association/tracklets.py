@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,6 +17,8 @@ _NINE_PIXELS: np.ndarray = np.ones((3, 3), np.uint8)
 """Layout: the neighbours of a place."""
 _ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
 """Layout: steps to them."""
+_SAME_PLACE = 1e-6
+"""Numerics: a clicked place is a candidate as it is; places of the grid."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +33,15 @@ class ViewTracklet:
         Places of the grid (x, y) in rows ``begin`` to ``end``.
     first_step, last_step : ndarray, shape (2,)
         Velocity at its begin and at its end, in places per row.
+    whole : int, optional
+        Rows of the tracklet that it was cut from; its own, otherwise.
     """
 
     begin: int
     places: FloatArray
     first_step: FloatArray
     last_step: FloatArray
+    whole: int = 0
 
     @property
     def end(self) -> int:
@@ -46,6 +52,25 @@ class ViewTracklet:
     def rows(self) -> IntArray:
         """Its rows."""
         return np.arange(self.begin, self.end + 1)
+
+    def passes(self, row: int, place: FloatArray) -> bool:
+        """Tell whether it was at a place in a row, as it is at places that were clicked."""
+        if not self.begin <= row <= self.end:
+            return False
+        return bool(np.linalg.norm(self.places[row - self.begin] - place) < _SAME_PLACE)
+
+    def cut(self, row: int) -> list[ViewTracklet]:
+        """Return what comes before a row, and what begins with it."""
+        m = row - self.begin
+        if not 0 < m < len(self.places):
+            return [self]
+        near = self.places[max(0, m - LINKS.velocity_rows) : m + LINKS.velocity_rows]
+        step = (near[-1] - near[0]) / (len(near) - 1)
+        whole = self.whole or len(self.places)
+        return [
+            ViewTracklet(self.begin, self.places[:m], self.first_step, step, whole),
+            ViewTracklet(row, self.places[m:], step, self.last_step, whole),
+        ]
 
 
 def find_candidates(
@@ -156,6 +181,74 @@ def link(
     done += active
     found = [one.closed(forward) for one in done]
     return sorted(found, key=lambda one: (one.begin, one.end))
+
+
+def cut_at_meetings(tracklets: Sequence[ViewTracklet], radius: float) -> list[ViewTracklet]:
+    """Cut tracklets where others begin or end beside them: either may be what went on.
+
+    Candidates of one frame are not nearer to each other than ``apart`` radii. Of two that pass each
+    other one is not seen meanwhile, so where it comes out again neither has a rival in one frame.
+
+    Parameters
+    ----------
+    tracklets : sequence of ViewTracklet
+        The tracklets.
+    radius : float
+        About half a paw, in places of the grid.
+
+    Returns
+    -------
+    list of ViewTracklet
+        In order of their first rows.
+    """
+    near = LINKS.beside_radii * radius
+    events = [(one.begin, one.begin, one.places[0]) for one in tracklets]
+    events += [(one.end, one.end + 1, one.places[-1]) for one in tracklets]
+    parts = []
+    for one in tracklets:
+        rows = {
+            cut
+            for row, cut, place in events
+            if one.begin < row < one.end
+            and np.linalg.norm(one.places[row - one.begin] - place) < near
+        }
+        left = [one]
+        for row in sorted(rows):
+            left += left.pop().cut(row)
+        parts += left
+    return sorted(parts, key=lambda one: (one.begin, one.end))
+
+
+def cut_between_clicks(
+    tracklets: Sequence[ViewTracklet], clicked: Sequence[tuple[int, FloatArray]]
+) -> list[ViewTracklet]:
+    """Cut tracklets in which one point was clicked where they last beside each other.
+
+    The point is in one of them only, so the end of the earlier one or the begin of the later one
+    is something else. Each part is given to a point by itself; no click is lost.
+
+    Parameters
+    ----------
+    tracklets : sequence of ViewTracklet
+        The tracklets.
+    clicked : sequence of (int, ndarray (2,))
+        Rows and places at which the point was clicked, in order of rows.
+
+    Returns
+    -------
+    list of ViewTracklet
+        In order of their first rows.
+    """
+    left = list(tracklets)
+    for (row, place), (next_row, next_place) in itertools.pairwise(clicked):
+        one = next((own for own in left if own.passes(row, place)), None)
+        other = next((own for own in left if own.passes(next_row, next_place)), None)
+        if one is None or other is None or one is other or other.begin > one.end:
+            continue
+        end, begin = max(other.begin - 1, row), min(one.end + 1, next_row)
+        left = [own for own in left if own is not one and own is not other]
+        left += [*one.cut(end + 1), *other.cut(begin)]
+    return sorted(left, key=lambda own: (own.begin, own.end))
 
 
 class _Open:

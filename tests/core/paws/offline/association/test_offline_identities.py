@@ -75,5 +75,11 @@ def test_the_end_of_one_may_be_seen_after_the_next_has_begun():
     assert given(some, [[3.0], [1.0]], {0: 0}) == [0, 0]
 
 
+def test_a_click_decides_though_its_tracklet_begins_before_the_last_one_has_ended():
+    """The point jumps: nothing but the clicks joins the two, and none of them may be lost."""
+    some = [tracklet(0, 20, (10, 10), (1, 0)), tracklet(20, 39, (60, 15), (0, 0))]
+    assert given(some, np.full((2, 2), 3.0), {0: LEFT, 1: LEFT}) == [LEFT, LEFT]
+
+
 def test_without_tracklets_nothing_is_given():
     assert given([], np.empty((0, 2)), {}) == []

@@ -93,6 +93,42 @@ def test_never_two_names_in_one_place(scene):
             assert np.linalg.norm(places[t, LEG] - places[t, OTHER]) >= RADIUS
 
 
+def test_what_lasts_beside_one_leg_is_the_other_though_it_looks_like_that_one(make_stack):
+    """The look of one was learnt alone: it says the same of both, and little of the other."""
+    stack = make_stack(np.zeros((N, H * SPACING, W * SPACING), np.uint8), spacing=SPACING)
+    at = {LEG: np.array([15.0, 12.0]), OTHER: np.array([45.0, 12.0])}
+    both = sum(maps(lambda t, p=p: at[p], 1.0) for p in at)
+    looks = {
+        LEG: np.clip(8 * both, 0.01, 8).astype(np.float32),
+        OTHER: np.full((N, H, W), 0.02, np.float32),
+    }
+    where_clicked = Annotations({2: {LEG: stack.picture_of(at[LEG], 2)}})
+    ones = {p: np.ones((N, H, W), np.float32) for p in looks}
+    tracklets, names = tell_apart(
+        stack, where_clicked, masses={p: one / (H * W) for p, one in ones.items()}, others=ones,
+        looks=looks, prior=even(), trust=1.0, radius=RADIUS, parameters=PARAMETERS,
+    )  # fmt: skip
+    named = {int(name): one for one, name in zip(tracklets, names, strict=True) if name >= 0}
+    for point, place in at.items():
+        np.testing.assert_allclose(named[point].places[15], place, atol=0.5)
+
+
+def test_what_has_no_name_is_closed_to_points_that_are_seen_beside_it():
+    places = np.stack([np.arange(10.0, 20.0), np.full(10, 10.0)], axis=1)
+    still = np.zeros(2)
+    one = ViewTracklet(0, places, still, still)
+    beside, after = (
+        ViewTracklet(begin, np.full((6, 2), (40.0, y)), still, still)
+        for begin, y in ((5, 5.0), (9, 15.0))
+    )
+    factors = paint_names(
+        (16, H, W), [one, beside, after], np.array([LEG, -1, -1]), points=[LEG, OTHER],
+        radius=RADIUS, parameters=PARAMETERS,
+    )  # fmt: skip
+    assert factors[LEG][10, 5, 40] == pytest.approx(1 - PARAMETERS.closed)
+    assert factors[LEG][14, 15, 40] == factors[OTHER][10, 5, 40] == 1
+
+
 def test_what_is_decided_is_open_to_its_point_and_closed_to_others():
     still = np.zeros(2)
     one = ViewTracklet(1, np.array([[20.0, 10.0], [21.0, 10.0]]), still, still)

@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.association.tracklets import find_candidates, link
+from pawnb.core.paws.offline.association.tracklets import (
+    ViewTracklet,
+    cut_at_meetings,
+    cut_between_clicks,
+    find_candidates,
+    link,
+)
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
 PARAMETERS = IdentityParameters()
@@ -78,3 +84,51 @@ def test_one_that_is_not_seen_any_more_ends_where_it_was_seen_last():
     rows = [[(10, 8)] if t < 5 else [] for t in range(15)]
     (one,) = linked(rows)
     assert one.end == 4
+
+
+def lasting(begin, end, y):
+    """A tracklet from one row to another that goes right by one place a row."""
+    places = np.stack([np.arange(begin, end + 1.0), np.full(end - begin + 1, y)], axis=1)
+    return ViewTracklet(begin, places, np.array([1.0, 0]), np.array([1.0, 0]))
+
+
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        # clicks beside the rows in which both last: cut at either end of those
+        ((5, 25), [(0, 9), (10, 15), (10, 15), (16, 30)]),
+        # clicks among those rows: each part has its own click, and only what lies between is free
+        ((12, 14), [(0, 12), (10, 13), (13, 15), (14, 30)]),
+    ],
+)
+def test_of_two_that_a_point_was_clicked_in_neither_lasts_beside_the_other(rows, expected):
+    one, other = lasting(0, 15, 4.0), lasting(10, 30, 15.0)
+    apart = lasting(8, 20, 9.0)
+    clicked = [
+        (row, np.array([row, own.places[0, 1]]))
+        for row, own in zip(rows, (one, other), strict=True)
+    ]
+    found = cut_between_clicks([one, apart, other], clicked)
+    spans = sorted((cut.begin, cut.end) for cut in found if cut is not apart)
+    assert spans == expected
+    assert any(cut is apart for cut in found)
+    for cut in found:
+        np.testing.assert_allclose(cut.places[:, 0], cut.rows)
+        np.testing.assert_allclose([cut.first_step, cut.last_step], [(1, 0), (1, 0)])
+
+
+def test_what_follows_without_lasting_beside_it_is_not_cut():
+    some = [lasting(0, 9, 4.0), lasting(10, 30, 15.0)]
+    assert cut_between_clicks(some, [(5, some[0].places[5]), (25, some[1].places[15])]) == some
+
+
+def test_where_another_comes_out_beside_it_either_may_have_gone_on():
+    """One hides the other in rows 10 to 14, and both go on; what is far off cuts nothing."""
+    one, hidden, again = lasting(0, 30, 8.0), lasting(0, 9, 11.0), lasting(15, 30, 11.0)
+    far = lasting(12, 20, 30.0)
+    found = cut_at_meetings([one, hidden, far, again], RADIUS)
+    parts = [cut for cut in found if cut.places[0, 1] == 8.0]
+    assert [(cut.begin, cut.end) for cut in parts] == [(0, 9), (10, 14), (15, 30)]
+    assert {cut.whole for cut in parts} == {31}
+    assert len(found) == 6
+    assert all(any(cut is own for cut in found) for own in (hidden, again, far))
