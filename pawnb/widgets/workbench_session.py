@@ -6,6 +6,8 @@ import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pandas as pd
+
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait import GaitTables, analyse
 from pawnb.schema import Tracks
@@ -164,6 +166,15 @@ class WorkbenchSession:
         """Return the verdict on the tracks of a trial, in words."""
         path = results_folder(described(state)) / "tracks.nc"
         return assess_quality(read_result_tracks(path)).line() if path.exists() else ""
+
+    def notes(self, state: TrialState) -> list[str]:
+        """Return what the analysis of a trial says of the trial as a whole, a line each."""
+        path = results_folder(described(state)) / "notes.csv"
+        if not path.exists():
+            return []
+        told = pd.read_csv(path, keep_default_na=False, dtype=str)
+        whole = told[told["rows"] == ""]
+        return [f"{where}: {what}" for where, what in whole[["where", "what"]].to_numpy().tolist()]
 
     def frame_to_click(self, state: TrialState, tracks: Tracks) -> int | None:
         """Return the frame whose clicks would help most; None where the tracks are good.
