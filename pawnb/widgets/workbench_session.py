@@ -174,7 +174,9 @@ class WorkbenchSession:
             return []
         told = pd.read_csv(path, keep_default_na=False, dtype=str)
         whole = told[told["rows"] == ""]
-        return [f"{where}: {what}" for where, what in whole[["where", "what"]].to_numpy().tolist()]
+        return [
+            ": ".join(filter(None, row)) for row in whole[["where", "what"]].to_numpy().tolist()
+        ]
 
     def frame_to_click(self, state: TrialState, tracks: Tracks) -> int | None:
         """Return the frame whose clicks would help most; None where the tracks are good.
@@ -225,8 +227,9 @@ class WorkbenchSession:
         self.refresh()
 
     def figures(self, state: TrialState) -> list[Path]:
-        """Return the pictures of a trial's results, in the order of their names."""
-        return sorted((results_folder(described(state)) / "figures").rglob("*.png"))
+        """Return the pictures of a trial's results: gait diagrams, then by their names."""
+        found = (results_folder(described(state)) / "figures").rglob("*.png")
+        return sorted(found, key=lambda path: (not path.name.startswith("gait_diagram"), path))
 
     def wrong(self, state: TrialState) -> list[str]:
         """Say what is to be mended or looks wrong."""

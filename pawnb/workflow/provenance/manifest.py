@@ -168,10 +168,10 @@ def find_fault(folder: str | Path, *, run: RunKind) -> str | None:
         return (
             f"{folder}: not as pawnb {run} left it ({what}); {again}, or go on if that was meant."
         )
-    return _made_before(folder, known, run)
+    return _made_before(folder, known, run, again=again)
 
 
-def _made_before(folder: Path, known: Manifest, run: RunKind) -> str | None:
+def _made_before(folder: Path, known: Manifest, run: RunKind, *, again: str) -> str | None:
     """Say that what a run read here has changed since, where it has."""
     if run == "track":
         return None  # of other files than its results
@@ -183,7 +183,7 @@ def _made_before(folder: Path, known: Manifest, run: RunKind) -> str | None:
                 read[name] = checksum.removeprefix("sha256:")
     for name, checksum in read.items():
         if (folder / name).exists() and _sha256(folder / name) != checksum:
-            return f"{folder}: {name} has changed since the gait was analysed; run pawnb gait again."
+            return f"{folder}: {name} has changed since the gait was analysed; {again}."
     return None
 
 

@@ -40,6 +40,10 @@ RESULT_FILES = (
 """What tracking always writes, beside :attr:`Tracker.more_files` (:mod:`.provenance.manifest`)."""
 
 
+_KEPT_OF_VIEWS = ("name", "facing", "mirror", "crop", "offset")
+"""What tracks carry of the views they were made of."""
+
+
 def describe_trial(
     tracks: Tracks, trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None
 ) -> Tracks:
@@ -71,8 +75,9 @@ def describe_trial(
     kept: dict[str, Any] = {name: document[name] for name in ("trial", "animal")}
     if trial.gait:
         kept["gait"] = document["gait"]
+    # an offset of 0 is written, too: tracks without any were made before crop and offset were kept
     kept["views"] = [
-        {name: view[name] for name in ("name", "facing", "mirror") if name in view}
+        {"offset": 0, **{name: view[name] for name in _KEPT_OF_VIEWS if name in view}}
         for view in document.get("views", [])
     ]
     if "calibration" in document:
