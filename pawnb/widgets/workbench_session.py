@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import pandas as pd
@@ -15,7 +16,11 @@ from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.provenance.mended_trial import as_described_now
-from pawnb.workflow.provenance.results import read_result_tracks, results_folder
+from pawnb.workflow.provenance.results import (
+    note_failure,
+    read_result_tracks,
+    results_folder,
+)
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.reviewing.suggest import suggest_frames
 from pawnb.workflow.tracking.track import track
@@ -116,7 +121,13 @@ class WorkbenchSession:
         """
         trial = described(state)
         self.stop.clear()
-        tracks = track(trial, out=results_folder(trial), progress=progress, stop=self.stop.is_set)
+        out = results_folder(trial)
+        try:
+            tracks = track(trial, out=out, progress=progress, stop=self.stop.is_set)
+        except (PawnbError, OSError) as error:
+            with suppress(PawnbError, OSError):  # that it failed is said in any case
+                note_failure(out, str(error))
+            raise
         if self.stop.is_set():
             raise InputError("tracking was stopped; press Track again to go on.")
         return (

@@ -239,6 +239,20 @@ def test_what_cannot_be_done_is_said_and_changes_nothing(bare, opened):
         WorkbenchSession(bare / "none")
 
 
+def test_what_failed_in_tracking_is_in_the_list_until_it_is_tracked(described, opened):
+    (described / "cam1.avi").write_bytes(b"damaged")
+    bench = opened(described.parent)
+    bench.do("track", described)
+    bench.work.wait(60)
+    assert "cam1.avi" in said(bench)
+    again = opened(described.parent)  # as the next day
+    assert "tracking failed when it was tried last" in again._list.children[1].value
+    assert "cam1.avi" in again._list.children[1].value
+    write_track_results(scene.true_tracks(), described / "results")
+    again.look_again()
+    assert len(again._list.children) == 1
+
+
 def test_a_review_in_which_all_was_right_counts(described):
     session = WorkbenchSession(described)
     results = described / "results"
