@@ -163,3 +163,15 @@ def test_a_leg_is_one_point_and_a_point_one_leg(tmp_path, capsys):
     assert cli.main([*convert, "FR=a", "FL=a"]) == 2
     assert "two legs are the one point 'a'; name another" in capsys.readouterr().err
     assert cli.main([*convert, "FR=a", "FL=b"]) == 0
+
+
+def test_where_to_write_is_said_in_one_way_by_every_command():
+    (commands,) = (a for a in build_parser()._actions if isinstance(a, argparse._SubParsersAction))
+    outs = {
+        name: action.option_strings
+        for name, parser in commands.choices.items()
+        for action in parser._actions
+        if {"-o", "--out"} & set(action.option_strings)
+    }
+    assert {"track", "gait", "report", "batch", "calibrate"} <= set(outs)
+    assert {tuple(names) for names in outs.values()} == {("-o", "--out")}

@@ -96,7 +96,9 @@ def _add_new(parsers: Any) -> None:
     text = "make a trial.toml by questions; one that is there is never written over"
     command = parsers.add_parser("new", help=text, description=text)
     command.add_argument("videos", nargs="*", metavar="VIDEO", help="the video of each view")
-    command.add_argument("--out", help="folder of trial.toml (default: that of the first video)")
+    command.add_argument(
+        "-o", "--out", help="folder of trial.toml (default: that of the first video)"
+    )
     command.set_defaults(run=commands.run_new)
 
 
@@ -108,7 +110,7 @@ def _add_demo(parsers: Any) -> None:
         choices=["paws", "spider"],
         help="paws: a mouse on a treadmill; spider: a spider seen from above",
     )
-    command.add_argument("--out", default=None, help="folder to write (default: demo-SCENE)")
+    command.add_argument("-o", "--out", default=None, help="folder to write (default: demo-SCENE)")
     command.add_argument("--frames", type=int, default=120, help="how many (default: 120)")
     command.add_argument(
         "--scale",
@@ -138,7 +140,7 @@ def _add_track(parsers: Any) -> None:
     text = "track the points, or the pose, of a trial"
     command = parsers.add_parser("track", help=text, description=text, epilog=_VERDICT)
     command.add_argument("trial", help="trial.toml, or the folder that holds it")
-    command.add_argument("--out", help="folder to write (default: results beside the trial)")
+    command.add_argument("-o", "--out", help="folder to write (default: results beside the trial)")
     command.add_argument(
         "--method",
         default=None,
@@ -178,7 +180,9 @@ def _add_batch(parsers: Any) -> None:
         help="track on the workers of a Dask scheduler instead, such as tcp://cluster:8786",
     )
     command.add_argument(
-        "--out", help="folder for a folder of results each (default: results beside each trial)"
+        "-o",
+        "--out",
+        help="folder for a folder of results each (default: results beside each trial)",
     )
     command.add_argument("--method", help="as for pawnb track")
     command.add_argument(
@@ -197,7 +201,9 @@ def _add_gait(parsers: Any) -> None:
         help="a trial, its results folder, a tracks file, an events.csv scored by hand, or a "
         "study.toml or csv that names trials, animals, groups and covariates",
     )
-    command.add_argument("--out", help="folder to write (default: results beside the first input)")
+    command.add_argument(
+        "-o", "--out", help="folder to write (default: results beside the first input)"
+    )
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
     command.add_argument(
         "--legs",
@@ -277,7 +283,7 @@ def _add_evaluate(parsers: Any) -> None:
         help="points further off than this are wrong (default: 20 in pictures 2048 px wide, in "
         "others in proportion)",
     )
-    command.add_argument("--out", help="folder to write the tables to")
+    command.add_argument("-o", "--out", help="folder to write the tables to")
     command.set_defaults(run=commands.run_evaluate)
 
 
@@ -289,7 +295,7 @@ def _add_compare(parsers: Any) -> None:
     )
     command.add_argument("--methods", help="names with commas between (default: all)")
     command.add_argument(
-        "--out", default="comparison", help="folder to write (default: %(default)s)"
+        "-o", "--out", default="comparison", help="folder to write (default: %(default)s)"
     )
     command.add_argument("--frames", type=int, help="track only so many frames of each trial")
     command.add_argument(

@@ -45,7 +45,10 @@ and ``residuals``, whether the distance is always shown. Beside the views ``look
 part of each view that is shown from now on, id and views (name to [u, v, width])."""
 
 MOUSE_AND_KEYS = (
-    ("Wheel", "zoom in and out about the mouse"),
+    (
+        "Wheel",
+        "zoom in and out about the mouse, once the widget was clicked; else with Ctrl or Cmd",
+    ),
     ("Shift and drag", "zoom into a rectangle (Z, then drag, does the same)"),
     ("Drag the picture", "move a zoomed picture"),
     ("V", "every view follows the chosen point, and zooms with the others; 0 ends it"),

@@ -18,6 +18,7 @@ from pawnb.gait.events.event_edits import (
     EventEdits,
     ExcludeStride,
     MoveEvent,
+    describe_left_out,
 )
 from pawnb.gait.legs import sort_legs
 
@@ -346,6 +347,8 @@ class GaitSession:
         """Say what is picked, and how many corrections there are."""
         n = len(self.edits.active)
         said = [f"{n} correction{'s' * (n != 1)}"]
+        if self.edits.left_out:
+            said.append(f"left out, as they fit no event: {describe_left_out(self.edits.left_out)}")
         if (stride := self.picked()) is not None:
             said.append(
                 f"{stride['leg']}, stride {stride['stride']}: from {stride['start_s']:.3f} s, "

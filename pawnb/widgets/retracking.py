@@ -267,7 +267,9 @@ class Retracking(TimelineCanvas):
 
     def _page_traits(self) -> dict[str, Any]:
         """Return what the browser is told on a page that only shows."""
-        said = f"Tracks of {self._trial.name}. Step with the arrow keys, zoom with the wheel."
+        said = (
+            f"Tracks of {self._trial.name}. Step with the arrow keys, zoom with Ctrl and the wheel."
+        )
         return super()._page_traits() | {"status": said}
 
     def close(self) -> None:

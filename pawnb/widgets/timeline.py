@@ -19,7 +19,10 @@ from pawnb.widgets.lanes import Stances, build_lanes, find_stances, sd_scale
 from pawnb.widgets.page import as_text
 
 TIMELINE_KEYS = (
-    ("Drag the frame numbers", "go through the recording (wheel: zoom in time; double click: all)"),
+    (
+        "Drag the frame numbers",
+        "go through the recording (wheel, or Ctrl and wheel: zoom in time; double click: all)",
+    ),
     ("Click a lane", "go there, and choose its point"),
     ("Drag along a lane", "choose a stretch of that point; its ends can be dragged"),
     ("I, O", "the stretch begins, ends in this frame"),

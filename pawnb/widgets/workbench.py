@@ -304,12 +304,14 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         """Return the results: figures to look through, and the explorer of strides."""
         strides = self._button("Look through the strides", lambda: self._strides(state))
         session = self.session
-        return Tool(show_results(session.figures(state), session.quality(state)), [strides])
+        said = [f"Tracks: {quality}." if (quality := session.quality(state)) else ""]
+        return Tool(show_results(session.figures(state), said + session.notes(state)), [strides])
 
     def _strides(self, state: TrialState) -> None:
         """Open the explorer of strides."""
         path = results_folder(described(state)) / "event_edits.jsonl"
-        self._open(lambda: Tool(GaitExplorer(self.session.gait_tables(state), path), []))
+        again = self._button("Analyse the gait again", lambda: self.do("gait", state.folder))
+        self._open(lambda: Tool(GaitExplorer(self.session.gait_tables(state), path), [again]))
 
     def _findings(self, state: TrialState) -> Any:
         """Return what is to be mended or looks wrong, a line each."""

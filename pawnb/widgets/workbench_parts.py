@@ -59,25 +59,24 @@ def cell(text: str, colour: str | None, *, strong: bool = False, wrap: bool = Fa
     return label
 
 
-def show_results(figures: Sequence[Path], verdict: str) -> Any:
-    """Return figures to look through, one at a time, and the verdict on the tracks.
+def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:
+    """Return figures to look through, one at a time, below what a reader must know of them.
 
     Parameters
     ----------
     figures : sequence of Path
         Pictures.
-    verdict : str
-        The verdict in words.
+    notes : sequence of str
+        The verdict on the tracks, and the notes of the analysis; empty ones are left out.
 
     Returns
     -------
     widget
         All of it.
     """
-    said = widgets.Label(f"Tracks: {verdict}." if verdict else "")
-    said.add_class("pawnb-wrap")
+    said = [cell(note, None, wrap=True) for note in notes if note]
     if not figures:
-        return widgets.VBox([said])
+        return widgets.VBox(said)
     picture = widgets.Image(layout={"max_width": "min(100%, 900px)"})
     choice = widgets.Dropdown(
         options=[(path.stem, str(path)) for path in figures], description="figure",
@@ -89,4 +88,4 @@ def show_results(figures: Sequence[Path], verdict: str) -> Any:
 
     choice.observe(show, names="value")
     show()
-    return widgets.VBox([said, choice, picture])
+    return widgets.VBox([*said, choice, picture])

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
+
+import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait import GaitTables, analyse
@@ -13,7 +16,11 @@ from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.provenance.mended_trial import as_described_now
-from pawnb.workflow.provenance.results import read_result_tracks, results_folder
+from pawnb.workflow.provenance.results import (
+    note_failure,
+    read_result_tracks,
+    results_folder,
+)
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.reviewing.suggest import suggest_frames
 from pawnb.workflow.tracking.track import track
@@ -114,7 +121,13 @@ class WorkbenchSession:
         """
         trial = described(state)
         self.stop.clear()
-        tracks = track(trial, out=results_folder(trial), progress=progress, stop=self.stop.is_set)
+        out = results_folder(trial)
+        try:
+            tracks = track(trial, out=out, progress=progress, stop=self.stop.is_set)
+        except (PawnbError, OSError) as error:
+            with suppress(PawnbError, OSError):  # that it failed is said in any case
+                note_failure(out, str(error))
+            raise
         if self.stop.is_set():
             raise InputError("tracking was stopped; press Track again to go on.")
         return (
@@ -165,6 +178,17 @@ class WorkbenchSession:
         path = results_folder(described(state)) / "tracks.nc"
         return assess_quality(read_result_tracks(path)).line() if path.exists() else ""
 
+    def notes(self, state: TrialState) -> list[str]:
+        """Return what the analysis of a trial says of the trial as a whole, a line each."""
+        path = results_folder(described(state)) / "notes.csv"
+        if not path.exists():
+            return []
+        told = pd.read_csv(path, keep_default_na=False, dtype=str)
+        whole = told[told["rows"] == ""]
+        return [
+            ": ".join(filter(None, row)) for row in whole[["where", "what"]].to_numpy().tolist()
+        ]
+
     def frame_to_click(self, state: TrialState, tracks: Tracks) -> int | None:
         """Return the frame whose clicks would help most; None where the tracks are good.
 
@@ -214,8 +238,9 @@ class WorkbenchSession:
         self.refresh()
 
     def figures(self, state: TrialState) -> list[Path]:
-        """Return the pictures of a trial's results, in the order of their names."""
-        return sorted((results_folder(described(state)) / "figures").rglob("*.png"))
+        """Return the pictures of a trial's results: gait diagrams, then by their names."""
+        found = (results_folder(described(state)) / "figures").rglob("*.png")
+        return sorted(found, key=lambda path: (not path.name.startswith("gait_diagram"), path))
 
     def wrong(self, state: TrialState) -> list[str]:
         """Say what is to be mended or looks wrong."""

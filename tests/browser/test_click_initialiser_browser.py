@@ -83,8 +83,36 @@ def test_drag_undo_redo_and_esc(clicking):
     assert file.read_bytes() == before
 
 
+def test_the_wheel_scrolls_the_page_until_the_widget_is_clicked_or_with_ctrl(clicking):
+    notebook, _ = clicking
+    zoom = "c.stages[0].zoom.scale / c.stages[0].fitScale"
+
+    def turn():
+        """Turn the wheel over the picture; gives whether the page was kept from scrolling."""
+        notebook.page.mouse.move(*notebook.at("cam1", 150, 220))
+        notebook.page.evaluate(
+            "() => { window.kept = new Promise((done) => document.addEventListener("
+            "'wheel', (e) => done(e.defaultPrevented), {once: true})); }"
+        )
+        notebook.page.mouse.wheel(0, -200)
+        return notebook.page.evaluate("window.kept")
+
+    assert not notebook.js("c.root.contains(document.activeElement)")
+    assert turn() is False
+    assert notebook.js(zoom) == 1
+    notebook.page.keyboard.down("Control")
+    assert turn() is True
+    notebook.page.keyboard.up("Control")
+    assert notebook.js(zoom) > 1.2
+    assert turn() is False
+    notebook.focus()
+    assert turn() is True
+    assert notebook.js(zoom) > 1.5
+
+
 def test_wheel_and_rectangle_zoom_keep_image_points_under_the_mouse(clicking):
     notebook, _ = clicking
+    notebook.focus()
     # wheel events carry whole CSS pixels: aim at one, and see which image point is there
     x, y = (round(p) for p in notebook.at("cam1", 150, 220))
     u, v = notebook.under("cam1", x, y)

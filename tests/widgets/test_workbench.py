@@ -12,6 +12,7 @@ from pawnb.errors import InputError
 from pawnb.widgets import ClickInitialiser, TrackReviewer
 from pawnb.widgets.crop_canvas import CropCanvas, drag_corner
 from pawnb.widgets.workbench_session import WorkbenchSession
+from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.workbench.new_trial import new_trial
 
 
@@ -189,6 +190,37 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     assert f"seen in frame {frame}, then Track" in said(bench)
 
 
+@pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
+def test_results_say_what_a_reader_must_know_and_are_old_once_events_are_corrected(
+    described, opened
+):
+    tracks = scene.true_tracks()
+    steps = 20.0 * np.sin(2 * np.pi * (np.arange(scene.N_FRAMES)[:, None] / 8.0 + [0.0, 0.5]))
+    tracks["position"].values[:, 0, :, 0] += steps
+    write_track_results(tracks, described / "results")
+    bench = opened(described.parent)
+    bench.do("gait", described)
+    bench.work.wait(60)
+    notes = bench.session.notes(bench.session.state(described))
+    assert any("strides a second" in note for note in notes)
+    shown = [line.value for line in bench.tool.tool.children if hasattr(line, "value")]
+    assert set(notes) <= set(shown)
+    assert bench.session.state(described).next_step == "review"
+    assert "analysed" in bench.session.state(described).done
+    bench._strides(bench.session.state(described))
+    explorer = bench.tool.tool.session
+    explorer.pick_event(0.08, within_s=1.0)
+    explorer.delete_event()
+    assert "analysed" not in bench.session.refresh()[0].done
+    (again,) = bench.tool.children[0].children
+    assert again.description == "Analyse the gait again"
+    again.click()
+    bench.work.wait(60)
+    state = bench.session.state(described)
+    assert "analysed" in state.done
+    assert any("corrections by hand in force: 1" in note for note in bench.session.notes(state))
+
+
 def test_what_cannot_be_done_is_said_and_changes_nothing(bare, opened):
     (bare / "trial.toml").write_text("[trial]\nfsp = 250\n")
     bench = opened(bare.parent)
@@ -205,6 +237,20 @@ def test_what_cannot_be_done_is_said_and_changes_nothing(bare, opened):
     assert "did you mean 'fps'" in said(bench)
     with pytest.raises(InputError, match="no such folder"):
         WorkbenchSession(bare / "none")
+
+
+def test_what_failed_in_tracking_is_in_the_list_until_it_is_tracked(described, opened):
+    (described / "cam1.avi").write_bytes(b"damaged")
+    bench = opened(described.parent)
+    bench.do("track", described)
+    bench.work.wait(60)
+    assert "cam1.avi" in said(bench)
+    again = opened(described.parent)  # as the next day
+    assert "tracking failed when it was tried last" in again._list.children[1].value
+    assert "cam1.avi" in again._list.children[1].value
+    write_track_results(scene.true_tracks(), described / "results")
+    again.look_again()
+    assert len(again._list.children) == 1
 
 
 def test_a_review_in_which_all_was_right_counts(described):

@@ -41,7 +41,7 @@ from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
     "EDIT_LINES", "Accept", "Delete", "Edit", "EditLog", "Hide", "Interpolate", "Move", "Pose",
-    "Retrack", "Swap", "apply_edit", "describe_edit", "replay",
+    "Retrack", "Swap", "apply_edit", "count_unsaved", "describe_edit", "replay",
 ]  # fmt: skip
 
 
@@ -348,6 +348,15 @@ def replay(
     if not Path(path).exists():
         raise InputError(f"{path}: no such file; expected the edits.jsonl of these tracks.")
     return EditLog(tracks, path, rig=rig, px_per_unit=px_per_unit, retrack=retrack).stamped()
+
+
+def count_unsaved(tracks: Tracks, path: str | Path) -> int:
+    """Count the corrections in force that tracks lack, but for labels that were right as they are.
+
+    Raises InputError where the tracks do not go with ``edits.jsonl``.
+    """
+    n_contained, past, _, _ = _settle(read_journal(path, EDIT_LINES)[0], tracks)
+    return sum(not isinstance(edit, Accept) for edit in past[n_contained:])
 
 
 def _settle(

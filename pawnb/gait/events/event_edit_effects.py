@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables
 from pawnb.gait.cycles.leg_signals import POSITION
@@ -26,6 +27,10 @@ HAND = "hand"
 
 _SAME_EVENT_S = 1e-6
 
+_SHIFTED = 0.25
+"""Share of the usual time between two events of a kind by which one may lie elsewhere once events
+are found anew, as after tracks were corrected: the next of its kind is four times as far."""
+
 
 def own_events(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
     """Return the events of the leg that a correction names, in order of time."""
@@ -39,16 +44,42 @@ def own_events(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
     return own
 
 
-def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent) -> Any:
-    """Return the label of the row of an event."""
+def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent, *, anew: bool = False) -> Any:
+    """Return the label of the row of an event.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Every event.
+    edit : MoveEvent or DeleteEvent
+        The correction.
+    anew : bool
+        Whether the events were found anew since, and may have shifted.
+
+    Returns
+    -------
+    object
+        The label.
+    """
     own = own_events(events, edit)
-    near = (own["event"] == edit.event) & ((own["time_s"] - edit.time_s).abs() < _SAME_EVENT_S)
-    if not near.any():
+    own = own[own["event"] == edit.event]
+    k = _nearest(own["time_s"].to_numpy(float), edit.time_s, anew=anew)
+    if k is None:
         raise InputError(
             f"trial {edit.trial!r}: {edit.leg} has no {edit.event} at {edit.time_s:.4f} s; the "
             "events were found anew since it was corrected, or it is deleted."
         )
-    return own.index[near.to_numpy()][0]
+    return own.index[k]
+
+
+def _nearest(times_s: FloatArray, time_s: float, *, anew: bool) -> int | None:
+    """Return which event a correction means: that at its time, or where found anew near it."""
+    if not len(times_s):
+        return None
+    away = np.abs(times_s - time_s)
+    k = int(away.argmin())
+    between = float(np.median(np.diff(times_s))) if anew and len(times_s) > 1 else 0.0
+    return k if away[k] < max(_SAME_EVENT_S, _SHIFTED * between) else None
 
 
 def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.DataFrame:
@@ -121,7 +152,9 @@ def _recorded(tables: GaitTables, edit: AddEvent, events: pd.DataFrame) -> tuple
     return min(float(t.min()) for t in whole), max(float(t.max()) for t in whole)
 
 
-def move_event(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.DataFrame:
+def move_event(
+    events: pd.DataFrame, edit: MoveEvent, tables: GaitTables, *, anew: bool = False
+) -> pd.DataFrame:
     """Return the events with one of them moved between its neighbours.
 
     Parameters
@@ -132,6 +165,8 @@ def move_event(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.
         The correction.
     tables : GaitTables
         The analysis, for its signals and settings.
+    anew : bool
+        Whether the events were found anew since, and may have shifted.
 
     Returns
     -------
@@ -143,12 +178,13 @@ def move_event(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.
     InputError
         If the correction does not fit the events.
     """
-    label, own = find_event(events, edit), own_events(events, edit)
+    label, own = find_event(events, edit, anew=anew), own_events(events, edit)
     others = own.loc[
         own["event"].isin(_pair_of(edit.event)) & (own.index != label), "time_s"
     ].to_numpy(float)
-    before = others[others <= edit.time_s].max(initial=-math.inf)
-    after = others[others > edit.time_s].min(initial=math.inf)
+    at = float(own.loc[label, "time_s"])
+    before = others[others <= at].max(initial=-math.inf)
+    after = others[others > at].min(initial=math.inf)
     if not before < edit.to_s < after:
         raise InputError(
             f"trial {edit.trial!r}: {edit.event} of {edit.leg} cannot go to {edit.to_s:.4f} s; "
@@ -188,6 +224,7 @@ def exclude_stride(
     tables: GaitTables,
     *,
     before: Sequence[tuple[str, str, str, float, str]],
+    anew: bool = False,
 ) -> tuple[str, str, str, float, str]:
     """Return which stride shall not count.
 
@@ -201,6 +238,8 @@ def exclude_stride(
         The analysis, for its signals and settings.
     before : sequence of tuple
         Those that are excluded already.
+    anew : bool
+        Whether the events were found anew since, and may have shifted.
 
     Returns
     -------
@@ -218,12 +257,12 @@ def exclude_stride(
     trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
     start = choose_stride_event(trial, tables.settings.stride_events)
     times = own.loc[own["event"] == start, "time_s"].to_numpy(float)
-    at = np.flatnonzero(np.abs(times - edit.start_s) < _SAME_EVENT_S)
-    if not len(at) or at[0] + 1 == len(times):
+    at = _nearest(times, edit.start_s, anew=anew)
+    if at is None or at + 1 == len(times):
         raise InputError(
             f"trial {edit.trial!r}: no stride of {edit.leg} begins at {edit.start_s:.4f} s."
         )
-    middle = float(times[at[0]] + times[at[0] + 1]) / 2.0
+    middle = float(times[at] + times[at + 1]) / 2.0
     row = (edit.animal, edit.trial, edit.leg, middle)
     if any(row[:3] == other[:3] and abs(middle - other[3]) < _SAME_EVENT_S for other in before):
         raise InputError(f"the stride of {edit.leg} at {edit.start_s:.4f} s is excluded already.")

@@ -57,13 +57,15 @@ class EventEdits:
         The present state.
     active : tuple of EventEdit
         The corrections in force, in the order they were made.
+    left_out : tuple of EventEdit
+        Those of them that do not fit these events, as where events were found anew since.
     notes : list of str
         What a person should know of the file.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or a correction in it does not fit these events.
+        If the file cannot be read.
     """
 
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
@@ -74,7 +76,7 @@ class EventEdits:
         self._future: list[EventEdit] = []
         for entry in [] if self._file is None else self._file.entries:
             enter_step(self._past, self._future, entry)
-        self.tables = apply_event_edits(self._found, self._past)
+        self.tables, self.left_out = _apply(self._found, self._past, known=len(self._past))
 
     @property
     def active(self) -> tuple[EventEdit, ...]:
@@ -127,10 +129,12 @@ class EventEdits:
 
     def _become(self, past: list[EventEdit], future: list[EventEdit], entry: Entry) -> GaitTables:
         """Compute the new state, write the line, then take both."""
-        tables = apply_event_edits(self._found, past)
+        known = min(len(self._past), len(past))
+        tables, left_out = _apply(self._found, past, known=known)
         if self._file is not None:
             self._file.append(entry)
         self.tables, self._past, self._future = tables, past, future
+        self.left_out = left_out
         return tables
 
 
@@ -149,12 +153,13 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
     -------
     GaitTables
         The tables with every correction in force. Their notes say how many there are, and how
-        many are of trials or legs that are not in this analysis and therefore left out.
+        many are left out: those of trials or legs that are not in this analysis, and those that
+        do not fit its events, as where events were found anew since.
 
     Raises
     ------
     InputError
-        If a file cannot be read, or a correction does not fit these events.
+        If a file cannot be read.
 
     Examples
     --------
@@ -172,15 +177,15 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
     tables = tables if tables.found is None else tables.found
     files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
     here = set(tables.events[["animal", "trial", "leg"]].itertuples(index=False, name=None))
-    fitting: list[EventEdit] = []
+    ours: list[EventEdit] = []
+    of_files: list[tuple[str, list[EventEdit]]] = []
     notes: list[str] = []
     for file in files:
         edits, remarks = read_event_edits(file)
         own = [edit for edit in edits if (edit.animal, edit.trial, edit.leg) in here]
-        fitting += own
+        ours += own
+        of_files.append((file.name, own))
         notes += remarks
-        if own:
-            notes.append(f"{file.name}: corrections by hand in force: {len(own)}.")
         odd = [edit for edit in edits if edit not in own]
         if odd:
             notes.append(
@@ -188,13 +193,14 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
                 f"analysis: {len(odd)} (the first is of {odd[0].leg} of {odd[0].animal}, "
                 f"{odd[0].trial})."
             )
-    try:
-        corrected = apply_event_edits(tables, fitting)
-    except InputError as error:
-        names = ", ".join(str(file) for file in files if file.exists())
-        raise InputError(
-            f"{names}: {error} To analyse without these corrections, give the file another name."
-        ) from None
+    corrected, left_out = _apply(tables, ours, known=len(ours))
+    in_force = [(name, sum(edit not in left_out for edit in own)) for name, own in of_files]
+    notes[:0] = [f"{name}: corrections by hand in force: {n}." for name, n in in_force if n]
+    if left_out:
+        notes.append(
+            f"corrections of events left out, as they do not fit the events any more: "
+            f"{describe_left_out(left_out)}; look at them in the GaitExplorer."
+        )
     return dataclasses.replace(corrected, notes=(*tables.notes, *notes))
 
 
@@ -248,20 +254,50 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     InputError
         If a correction does not fit the events.
     """
+    return _apply(tables, edits)[0]
+
+
+def describe_left_out(edits: Sequence[EventEdit]) -> str:
+    """Return how many corrections do not fit, and which the first is, in words."""
+    first = edits[0]
+    what, at_s = (
+        ("stride", first.start_s)
+        if isinstance(first, ExcludeStride)
+        else (first.event, first.time_s)
+    )
+    return f"{len(edits)} (the first is of the {what} of {first.leg} at {at_s:.3f} s)"
+
+
+def _apply(
+    tables: GaitTables, edits: Sequence[EventEdit], *, known: int = 0
+) -> tuple[GaitTables, tuple[EventEdit, ...]]:
+    """Apply corrections; of those made earlier, the first ``known``, give back what does not fit.
+
+    Tracks that are corrected give other events: one that is no longer there must not keep all
+    others from being made again.
+    """
     tables = tables if tables.found is None else tables.found
     if not edits:
-        return tables
+        return tables, ()
     events = tables.events.copy()
     excluded: list[tuple[str, str, str, float, str]] = []
-    for edit in edits:
-        if isinstance(edit, ExcludeStride):
-            excluded.append(exclude_stride(events, edit, tables, before=excluded))
-        elif isinstance(edit, DeleteEvent):
-            events = events.drop(index=find_event(events, edit))
-        elif isinstance(edit, AddEvent):
-            events = add_event(events, edit, tables)
-        else:
-            events = move_event(events, edit, tables)
+    left_out: list[EventEdit] = []
+    for k, edit in enumerate(edits):
+        anew = k < known
+        try:
+            if isinstance(edit, ExcludeStride):
+                row = exclude_stride(events, edit, tables, before=excluded, anew=anew)
+                excluded.append(row)
+            elif isinstance(edit, DeleteEvent):
+                events = events.drop(index=find_event(events, edit, anew=anew))
+            elif isinstance(edit, AddEvent):
+                events = add_event(events, edit, tables)
+            else:
+                events = move_event(events, edit, tables, anew=anew)
+        except InputError:
+            if not anew:
+                raise
+            left_out.append(edit)
     columns = ["animal", "trial", "leg", "time_s", "why"]
     corrected = rebuild_tables(
         tables,
@@ -269,4 +305,4 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
         excluded=pd.DataFrame(excluded, columns=columns),
         trials={(edit.animal, edit.trial) for edit in edits},
     )
-    return dataclasses.replace(corrected, found=tables)
+    return dataclasses.replace(corrected, found=tables), tuple(left_out)

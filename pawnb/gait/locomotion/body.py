@@ -26,6 +26,7 @@ from pawnb.kinematics import (
     body_frame_of_path,
     is_travelling,
     is_wandering,
+    mean_path,
     smooth_path,
     stride_frequency,
 )
@@ -35,6 +36,10 @@ from pawnb.trial import Trial
 _BODY_CUTOFF_STRIDES = 3.0
 """Low-pass of points of the body, in stride frequencies: a body moves twice in a stride, what is
 faster is how well its points were tracked, and every foot would share it."""
+
+_SHARED_SLOWER = 2.5
+"""What feet share is travel, no steps, where they move against each other this many times as often:
+more than twice, for the feet of two pairs may part twice in a stride."""
 
 _BODY_METHODS = {
     "laboratory": "laboratory",
@@ -216,9 +221,18 @@ def _usable(
 
 
 def _guess_frequency(feet: FootPaths, body: BodyPoints | None, fs: float) -> float:
-    """Guess how often the feet step, in the body's frame where there is one."""
+    """Guess how often the feet step, in the body's frame where there is one.
+
+    An animal that goes, stops and turns on the ground does so more slowly than it steps, and its
+    feet share all of that: what they do against each other tells the steps from it.
+    """
     if body is None:
-        return stride_frequency(feet.positions, fs_hz=fs)
+        whole = stride_frequency(feet.positions, fs_hz=fs)
+        if len(feet.legs) < 2:
+            return whole
+        apart = feet.positions - mean_path(feet.positions)[:, :, None]
+        own = stride_frequency(apart, fs_hz=fs)
+        return own if own > _SHARED_SLOWER * whole else whole
     frame = body_frame_from_points(body.points, cutoff_hz=None, fs_hz=fs)
     return dominant_frequency(frame.fore_aft(feet.positions), fs_hz=fs)
 

@@ -44,7 +44,7 @@ _OF_THE_BODY = 0.5
 
 _CARRIED = 0.5
 """Share of its speed against the body at which a carried foot goes through the picture: 1 on a
-belt, 0 on the ground."""
+belt, 0 on the ground, and below that where an ankle is tracked, which goes on with the body."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -233,7 +233,7 @@ def is_carried(feet: FootPaths, path: FloatArray, settings: EventSettings) -> bo
                 ratios[kind].append((lab[last] - lab[first]) / (own[last] - own[first]))
     if min(len(one) for one in ratios.values()) < 2:
         return None
-    return min(abs(float(np.median(one))) for one in ratios.values()) > _CARRIED
+    return min(float(np.median(one)) for one in ratios.values()) > _CARRIED
 
 
 def _regular_share(positions: FloatArray, forward: FloatArray, settings: EventSettings) -> float:

@@ -81,7 +81,9 @@ class Motion:
         return self._between(self.feet[leg], start_s, end_s)
 
     def place_of(self, leg: str, time_s: FloatArray) -> FloatArray:
-        """Return how far along forward a foot is at some times, from the common zero."""
+        """Return how far along forward a foot is at some times; NaN where that is not known."""
+        if leg not in self.feet:
+            return np.full(len(time_s), np.nan)
         return np.interp(time_s, self.time_s, self.feet[leg])
 
     def heading_between(

@@ -311,6 +311,12 @@ class Canvas extends Keys {
 
   // --- what a person does (called by Stage) ----------------------------------------------
 
+  // Whether a turn of the wheel is meant for what is shown here, and not for the page: with Ctrl
+  // (Cmd; a pinch on a touchpad comes as that), or once a person has clicked or pressed keys here.
+  takesWheel(e) {
+    return e.ctrlKey || e.metaKey || this.root.contains(document.activeElement);
+  }
+
   focus() {
     this.root.focus({ preventScroll: true });
   }

@@ -10,7 +10,7 @@ const CLICK_PX = 4; // a press that moves further than this is a pan, not a clic
 const MAX_ZOOM = 40; // device pixels per image pixel
 
 class Stage extends Marks {
-  // `host` is told what the mouse does: edit, select, released, rezoomed, redraw, focus; it knows
+  // `host` is told what the mouse does: edit, select, released, rezoomed, redraw, focus, takesWheel; it knows
   // what a click would place (asked), where the other views put that (guideOf), and whether Python hears it (connection).
   constructor(spec, host) {
     super();
@@ -176,6 +176,7 @@ class Stage extends Marks {
   listen() {
     const on = (type, handler, options) => this.marks.addEventListener(type, handler, options);
     on("wheel", (e) => {
+      if (!this.host.takesWheel(e)) return; // the page scrolls
       e.preventDefault();
       const { x, y } = this.locate(e);
       const lines = e.deltaMode === 1 ? 30 : 1; // Firefox counts lines, not pixels

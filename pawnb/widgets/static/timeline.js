@@ -8,7 +8,7 @@ const EDGE_PX = 5; // how near, in CSS px, the mouse must be to take an end or t
 const LEAST_FRAMES = 20; // as far as it can be zoomed in
 
 class Timeline extends Lanes {
-  // `host` is the Canvas: model, frames, connection, selected, go, edit, focus, choose.
+  // `host` is the Canvas: model, frames, connection, selected, go, edit, focus, takesWheel, choose.
   constructor(host) {
     super();
     this.host = host;
@@ -157,8 +157,8 @@ class Timeline extends Lanes {
   listen() {
     const on = (type, handler, options) => this.canvas.addEventListener(type, handler, options);
     on("wheel", (e) => {
+      if (!this.view || !this.host.takesWheel(e)) return; // the page scrolls
       e.preventDefault();
-      if (!this.view) return;
       const { from, frames } = this.view;
       const lines = e.deltaMode === 1 ? 30 : 1;
       if (e.shiftKey || Math.abs(e.deltaX) > Math.abs(e.deltaY)) {

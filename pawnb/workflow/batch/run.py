@@ -29,7 +29,7 @@ from pawnb.workflow.batch.scheduler import Scheduler
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.provenance.manifest import MANIFEST, find_fault, known_files
 from pawnb.workflow.provenance.record import trial_checksums, trial_fingerprint
-from pawnb.workflow.provenance.results import RESULT_FILES, results_folder
+from pawnb.workflow.provenance.results import RESULT_FILES, note_failure, results_folder
 from pawnb.workflow.reviewing.quality import QUALITY_FILE, read_verdict
 from pawnb.workflow.tracking.methods import settings_in_force, trial_tracker
 
@@ -185,9 +185,17 @@ def _work(
             for number, answer in places.ended().items():
                 job = running.pop(number)
                 job.status, job.said, job.verdict = answer
+                if job.status == "failed" and job.out is not None:
+                    _note(job)
                 tell(_line(job, len(jobs)))
             if running or waiting:
                 places.wait(_POLL_S)
+
+
+def _note(job: _Job) -> None:
+    """Leave word of a failure with the trial, for who looks at it after the batch has ended."""
+    with contextlib.suppress(PawnbError, OSError):  # the report says it in any case
+        note_failure(str(job.out), job.said)
 
 
 def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:

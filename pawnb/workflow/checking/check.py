@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import warnings
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -56,16 +58,20 @@ def check_trial(trial: Trial | str | Path) -> CheckReport:
     )
     _check_belt(trial, report)
     _check_gait_settings(trial, report)
+    sizes: dict[str, list[int]] = {}
     if trial.is_tracked_elsewhere:
         _check_tracks_file(trial, report)
     else:
-        _check_views(trial, report)
-    _check_results(trial, report)
+        sizes = _check_views(trial, report)
+    _check_results(trial, report, sizes)
     return report
 
 
-def _check_results(trial: Trial, report: CheckReport) -> None:
-    """Say whether the trial is tracked already, and doubt tracks that cannot be read."""
+def _check_results(trial: Trial, report: CheckReport, sizes: Mapping[str, list[int]]) -> None:
+    """Say whether the trial is tracked already, and doubt tracks that cannot be used as they are.
+
+    ``sizes`` are those of the pictures, as views show them now.
+    """
     path = results_folder(trial) / "tracks.nc"
     name = f"{path.parent.name}/{path.name}"
     for run in RUN_KINDS:
@@ -91,6 +97,16 @@ def _check_results(trial: Trial, report: CheckReport) -> None:
         warnings.simplefilter("always", InputWarning)
         as_described_now(tracks, trial)
     report.doubts += [str(one.message).rstrip(".") for one in told]
+    before = json.loads(tracks.attrs.get("pictures_px", "{}"))
+    for name, size in sizes.items():
+        was = before.get(name, size)
+        if was != size and not any("crop" in str(one.message) for one in told):
+            why = " (before it was heeded how the camera was held)" if was == size[::-1] else ""
+            report.doubts.append(
+                f"view {name} was clicked and tracked in pictures of {was[0]} x {was[1]} px{why}, "
+                f"which are {size[0]} x {size[1]} px now: clicks and tracks lie in other pixels; "
+                "click and track again"
+            )
 
 
 def _check_belt(trial: Trial, report: CheckReport) -> None:
@@ -150,8 +166,12 @@ def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
     report.found.append(f"legs: {told}")
 
 
-def _check_views(trial: Trial, report: CheckReport) -> None:
-    """Open the views, read their first and last frame, and check what depends on them."""
+def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
+    """Open the views, read their first and last frame, and check what depends on them.
+
+    Returns the width and height of each view, as far as they can be opened.
+    """
+    sizes: dict[str, list[int]] = {}
     try:
         tracker_settings(trial)
         stage_parameters(trial)
@@ -161,10 +181,11 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
         views = open_views(trial)
     except PawnbError as error:
         report.faults.append(str(error))
-        return
+        return sizes
     with views:
         for name in views.names:
             reader = views.readers[name]
+            sizes[name] = [reader.width, reader.height]
             colour = "colour" if reader.is_colour else "grey"
             report.found.append(
                 f"view {name}: {reader.n_frames} frames of {reader.width} x {reader.height} px"
@@ -177,6 +198,7 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
             except PawnbError as error:
                 report.faults.append(str(error))
         kind_of(trial).check_start(trial, views, report)
+    return sizes
 
 
 def _say_crop(view: View, reader: ViewReader) -> str:

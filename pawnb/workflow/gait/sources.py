@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -10,7 +11,8 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.errors import InputError
+from pawnb.core.edits.log import count_unsaved
+from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import check_file
 from pawnb.gait import GaitTables
 from pawnb.io.authors2019 import trial_stamp
@@ -163,9 +165,13 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         tell_fault_of_events(path)
         guessed = bool((events["animal"] == path.stem).all())
         return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
+    if (own := _trial_of_results(path)) is not None:
+        return _read_trial(own, own.folder / "trial.toml")
     program = recognise_format(path)
     tracks = read_any_tracks(path, fps=fps, program=program)
     tell_fault(tracks, path)
+    if path.name == "tracks.nc":
+        _tell_unsaved(tracks, path)
     trial = described_trial(tracks, where=str(path), folder=path.parent)
     if trial is not None:
         return GaitSource(
@@ -192,8 +198,39 @@ def _read_trial(trial: Trial, file: Path) -> GaitSource:
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
-    tracks = as_described_now(read_result_tracks(path), trial)
-    return GaitSource(path, out, tracks=tracks, **own)
+    tracks = read_result_tracks(path)
+    _tell_unsaved(tracks, path)
+    return GaitSource(path, out, tracks=as_described_now(tracks, trial), **own)
+
+
+def _trial_of_results(path: Path) -> Trial | None:
+    """Return the trial, as described now, in whose own folder of results tracks lie."""
+    if path.name != "tracks.nc" or not (path.parent.parent / "trial.toml").exists():
+        return None
+    try:
+        trial = load_trial(path.parent.parent)
+    except PawnbError:
+        return None  # the tracks know how it was described when they were made
+    here = results_folder(trial).resolve() == path.parent.resolve()
+    return trial if here and not trial.is_tracked_elsewhere else None
+
+
+def _tell_unsaved(tracks: Tracks, path: Path) -> None:
+    """Warn of corrections that were made in a review and are not in the tracks."""
+    file = path.with_name("edits.jsonl")
+    if not file.exists():
+        return
+    try:
+        n = count_unsaved(tracks, file)
+    except PawnbError as error:
+        warnings.warn(f"{file}: {str(error).rstrip('.')}.", InputWarning, stacklevel=3)
+        return
+    if n:
+        text = (
+            f"{file}: {n} {'correction is' if n == 1 else 'corrections are'} not in the tracks; "
+            "open the review and press Save tracks."
+        )
+        warnings.warn(text, InputWarning, stacklevel=3)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:

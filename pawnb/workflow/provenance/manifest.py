@@ -22,6 +22,7 @@ from typing import Any, Literal
 
 from pawnb.errors import InputError
 from pawnb.files import Listing, check_file, child_folder, locked, read_text, staged, staged_files
+from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
 from pawnb.workflow.provenance.labels import is_labelled
 from pawnb.workflow.provenance.record import provenance_text
 
@@ -167,22 +168,22 @@ def find_fault(folder: str | Path, *, run: RunKind) -> str | None:
         return (
             f"{folder}: not as pawnb {run} left it ({what}); {again}, or go on if that was meant."
         )
-    return _made_before(folder, known, run)
+    return _made_before(folder, known, run, again=again)
 
 
-def _made_before(folder: Path, known: Manifest, run: RunKind) -> str | None:
+def _made_before(folder: Path, known: Manifest, run: RunKind, *, again: str) -> str | None:
     """Say that what a run read here has changed since, where it has."""
     if run == "track":
         return None  # of other files than its results
+    read = {EVENT_EDITS_FILE: ""}  # made since then where no run has read it
     for step in known.steps_of(run):
         for label, checksum in step.get("inputs", {}).items():
             name = label.rpartition("/")[2]
-            here = is_labelled(folder.resolve() / name, label) and (folder / name).exists()
-            if here and _sha256(folder / name) != checksum.removeprefix("sha256:"):
-                return (
-                    f"{folder}: {name} has changed since the gait was analysed; run pawnb gait "
-                    "again."
-                )
+            if is_labelled(folder.resolve() / name, label):
+                read[name] = checksum.removeprefix("sha256:")
+    for name, checksum in read.items():
+        if (folder / name).exists() and _sha256(folder / name) != checksum:
+            return f"{folder}: {name} has changed since the gait was analysed; {again}."
     return None
 
 

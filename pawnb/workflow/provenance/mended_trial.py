@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ import numpy as np
 
 from pawnb.errors import InputWarning
 from pawnb.schema import Tracks
-from pawnb.trial import Trial
+from pawnb.trial import Trial, View
 from pawnb.workflow.provenance.record import file_checksum
 from pawnb.workflow.provenance.results import describe_trial, provenance_steps
 
@@ -50,11 +51,15 @@ def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
     said: list[str] = []
     now = _rescaled(_retimed(tracks, trial, said), before, trial, said)
     again = changed_inputs(tracks, trial)
+    sizes = json.loads(tracks.attrs["pictures_px"]) if "pictures_px" in tracks.attrs else None
     if said:
-        sizes = json.loads(tracks.attrs["pictures_px"]) if "pictures_px" in tracks.attrs else None
         now = describe_trial(now, trial, sizes=sizes)
+        # the pictures stay those that were tracked
+        document = json.loads(now.attrs["trial"]) | {"views": before.get("views", [])}
+        now.attrs["trial"] = json.dumps(document, sort_keys=True)
     if again:
         said.append(f"{' and '.join(again)} changed: pawnb track again")
+    said += _other_pictures(before, trial, sizes or {})
     if said:
         text = f"{trial.name}: since it was tracked, {'; '.join(said)}."
         warnings.warn(text, InputWarning, stacklevel=3)
@@ -93,6 +98,49 @@ def changed_inputs(tracks: Tracks, trial: Trial) -> list[str]:
         for path in paths
         if path.is_file() and known.get(path.name) != file_checksum(path)
     ]
+
+
+def _other_pictures(before: dict[str, Any], trial: Trial, sizes: dict[str, list[int]]) -> list[str]:
+    """Say in which respects the pictures are not those that were tracked."""
+    said = []
+    frames = before.get("trial", {}).get("frames")
+    if frames != (None if trial.frames is None else list(trial.frames)):
+        said.append(
+            f"frames was changed from {_word(frames)} to {_word(trial.frames)}: pawnb track again"
+        )
+    was = {view["name"]: view for view in before.get("views", [])}
+    for view in trial.views:
+        old = was.get(view.name)
+        if old is None:
+            continue
+        if "offset" in old and old["offset"] != view.offset:
+            said.append(
+                f"offset of {view.name} was changed from {old['offset']} to {view.offset}: pawnb "
+                "track again"
+            )
+        changed = [] if old.get("mirror", False) == view.mirror else ["mirror"]
+        if _crop_changed(old, view, sizes.get(view.name)):
+            changed.append(f"crop (from {_word(old.get('crop'))} to {_word(view.crop)})")
+        if changed:
+            said.append(
+                f"{' and '.join(changed)} of {view.name} changed: clicks, tracks and corrections "
+                "are in pixels of the picture before; put it back, or click and track again"
+            )
+    return said
+
+
+def _crop_changed(old: dict[str, Any], view: View, size: list[int] | None) -> bool:
+    """Tell whether another part of the picture is meant than that which was tracked."""
+    crop = None if view.crop is None else list(view.crop)
+    if "crop" in old or "offset" in old:
+        return old.get("crop") != crop
+    # tracks of before crops were kept know the size of their pictures only
+    return crop is not None and size is not None and size != [crop[2] - crop[0], crop[3] - crop[1]]
+
+
+def _word(numbers: Sequence[int] | None) -> str:
+    """Return numbers, or that there were none."""
+    return "none" if numbers is None else str(list(numbers))
 
 
 def _retimed(tracks: Tracks, trial: Trial, said: list[str]) -> Tracks:

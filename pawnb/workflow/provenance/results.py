@@ -40,6 +40,13 @@ RESULT_FILES = (
 """What tracking always writes, beside :attr:`Tracker.more_files` (:mod:`.provenance.manifest`)."""
 
 
+FAILURE_FILE = "not_tracked.txt"
+"""Why tracking failed, in the folder of results; it is there until a run ends well."""
+
+_KEPT_OF_VIEWS = ("name", "facing", "mirror", "crop", "offset")
+"""What tracks carry of the views they were made of."""
+
+
 def describe_trial(
     tracks: Tracks, trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None
 ) -> Tracks:
@@ -71,8 +78,9 @@ def describe_trial(
     kept: dict[str, Any] = {name: document[name] for name in ("trial", "animal")}
     if trial.gait:
         kept["gait"] = document["gait"]
+    # an offset of 0 is written, too: tracks without any were made before crop and offset were kept
     kept["views"] = [
-        {name: view[name] for name in ("name", "facing", "mirror") if name in view}
+        {"offset": 0, **{name: view[name] for name in _KEPT_OF_VIEWS if name in view}}
         for view in document.get("views", [])
     ]
     if "calibration" in document:
@@ -171,7 +179,22 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
         if "image_position" in tracks:
             write_whole(staging / QUALITY_FILE, quality_text(assess_quality(tracks)).encode())
         write_table(notes_table(tracking_notes(tracks)), staging / "notes.csv")
+    (out / FAILURE_FILE).unlink(missing_ok=True)
     return out
+
+
+def note_failure(folder: str | Path, why: str) -> None:
+    """Write down that a trial could not be tracked, until it is; a folder of results is made."""
+    write_whole(make_folder(folder) / FAILURE_FILE, f"{' '.join(why.split())}\n".encode())
+
+
+def failure_of(folder: str | Path) -> str:
+    """Return why a trial could not be tracked when that was tried last; empty where it was."""
+    path = Path(folder) / FAILURE_FILE
+    try:
+        return path.read_text(encoding="utf-8").strip() if path.is_file() else ""
+    except (OSError, UnicodeDecodeError):
+        return f"{path} cannot be read"
 
 
 def read_result_tracks(path: str | Path) -> Tracks:

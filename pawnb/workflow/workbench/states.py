@@ -16,7 +16,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import find_fault, known_files
-from pawnb.workflow.provenance.results import results_folder
+from pawnb.workflow.provenance.results import failure_of, results_folder
 
 Step = Literal["mend", "calibrate", "start", "track", "review", "gait", "look"]
 WORK_STEPS: dict[Step, str] = {
@@ -122,6 +122,8 @@ def state_of(folder: str | Path) -> TrialState:
     if _has_start(trial):
         done.add("started")
     results = results_folder(trial)
+    if not wrong and not trial.is_tracked_elsewhere and (why := failure_of(results)):
+        wrong = f"tracking failed when it was tried last: {why}"
     if trial.is_tracked_elsewhere or (results / "tracks.nc").exists():
         done.add("tracked")
     if _has_edits(results / "edits.jsonl") or trial.is_tracked_elsewhere:

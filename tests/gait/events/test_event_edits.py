@@ -218,13 +218,46 @@ def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_
     assert np.isclose(strides_of(twice, "R1")["start_s"], 0.42).any()
 
 
-def test_events_found_anew_are_told_with_the_file(tables, tmp_path):
+def test_events_found_anew_keep_their_corrections(tables, tmp_path):
+    """Tracks that are corrected elsewhere move every event a little."""
     path = tmp_path / "event_edits.jsonl"
-    EventEdits(tables, path).apply(move(0.42))
-    moved = tables.events.assign(time_s=tables.events["time_s"] + 0.003)
-    message = r"event_edits.jsonl: trial 't1': R1 has no AEP at 0.4000 s; .* give the file another"
-    with pytest.raises(InputError, match=message):
-        replay_event_edits(gait.analyse_events(moved), path)
+    log = EventEdits(tables, path)
+    log.apply(move(0.42))
+    log.apply(ExcludeStride(**WHO, leg="R1", start_s=0.8, reason="x"))
+    log.apply(DeleteEvent(**WHO, leg="L1", event="PEP", time_s=0.22))
+    shifted = tables.events.assign(time_s=tables.events["time_s"] + 0.003)
+    again = replay_event_edits(gait.analyse_events(shifted), path)
+    assert np.isclose(strides_of(again, "R1")["start_s"], 0.42).any()
+    assert not np.isclose(strides_of(again, "R1")["start_s"], 0.803).any()
+    assert len(again.events) == len(tables.events) - 1
+    assert any("in force: 3" in note for note in again.notes)
+    assert not any("left out" in note for note in again.notes)
+
+
+def test_what_fits_no_event_any_more_is_left_out_and_said(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    log = EventEdits(tables, path)
+    log.apply(move(0.42))
+    log.apply(ExcludeStride(**WHO, leg="R1", start_s=0.8, reason="x"))
+    before = path.read_text()
+    events = tables.events
+    gone = (events["leg"] == "R1") & (events["event"] == "AEP") & (events["time_s"] < 0.5)
+    other = gait.analyse_events(events[~gone])
+    again = replay_event_edits(other, path)
+    assert not np.isclose(strides_of(again, "R1")["start_s"], 0.42).any()
+    assert "event_edits.jsonl: corrections by hand in force: 1." in again.notes
+    (said,) = (note for note in again.notes if "left out" in note)
+    assert "1 (the first is of the AEP of R1 at 0.400 s); look at them" in said
+    opened = EventEdits(other, path)
+    assert [edit.to_s for edit in opened.left_out] == [0.42]
+    same(opened.tables, again)
+    assert path.read_text() == before
+    # what is done now must fit, and takes nothing else away
+    with pytest.raises(InputError, match=r"R1 has no AEP at 0\.4000 s"):
+        opened.apply(move(0.42))
+    opened.undo()
+    opened.undo()
+    assert not opened.left_out
 
 
 def test_undo_redo_and_replay(tables, tmp_path):

@@ -137,3 +137,35 @@ def test_a_ball_that_stops_and_changes_speed_is_told_from_the_feet():
     # with a belt that is stated nothing of the kind is assumed
     told = gait.analyse(tracks, belt_speed=200.0)
     assert not (told.dropped["what"] == "pause").any()
+
+
+def ankles():
+    """Points halfway between foot and body; the animal goes from 3 to 6 s and from 11 s on."""
+    walk = Walk(period=1.0, speed=100.0)
+    t = np.arange(0, 15.0, 1 / 25.0)
+    going = (t >= 3.0) & (t < 6.0) | (t >= 11.0)
+    clock = np.concatenate(([0.0], np.cumsum(going[:-1] / 25.0)))
+    tracks = make_tracks(range(len(t)), list(walk.phases), fps=25.0, space=("x", "y"))
+    rng = np.random.default_rng(0)
+    for k, leg in enumerate(walk.phases):
+        along = (walk.foot(leg, clock)[0] + walk.speed * clock) / 2 + 40.0 * (leg[0] == "F")
+        path = np.column_stack((along, np.full(len(t), 15.0 if "L" in leg else -15.0)))
+        tracks["position"].data[:, :, k, 0] = path + 2.0 * rng.standard_normal(path.shape)
+    tracks["confidence"].data[:] = 1.0
+    tracks["origin"].data[:] = ORIGIN_CODE["measured"]
+    return tracks
+
+
+def test_going_and_standing_is_not_taken_for_strides():
+    """What the ankles share outweighs their steps, and in stance they go forwards, not at rest."""
+    tables = gait.analyse(ankles())
+    assert tables.strides["frequency_hz"].median() == pytest.approx(1.0, rel=0.1)
+    assert len(tables.strides) >= 12
+    assert any("2 bouts of locomotion" in note for note in tables.notes)
+
+
+def test_a_belt_whose_speed_cannot_be_told_leaves_lengths_open():
+    settings = {"substrate": "treadmill", "min_excursion": 20.0}
+    strides = gait.analyse(ankles(), settings=settings).strides
+    assert len(strides) >= 12
+    assert strides[["speed", "stride_length", "step_length"]].isna().all(axis=None)

@@ -20,6 +20,7 @@ from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.tracking.methods import settings_in_force
 from pawnb.workflow.tracking.track import track
+from pawnb.workflow.workbench.states import state_of
 
 pytestmark = pytest.mark.slow  # scenes are rendered and tracked
 
@@ -177,6 +178,14 @@ def test_a_process_that_dies_takes_no_other_with_it(trials, monkeypatch):
     done = batch([trials / "a", trials / "b"], settings=QUICK)
     assert done.table["status"].tolist() == ["failed", "tracked"]
     assert done.failed["said"].item().startswith("its process ended with status -9")
+    # the list of the workbench says it, until the trial is tracked
+    wrong = "tracking failed when it was tried last: its process ended with status -9"
+    assert state_of(trials / "a").wrong.startswith(wrong)
+    assert state_of(trials / "a").next_step == "track"
+    assert state_of(trials / "b").wrong == ""
+    monkeypatch.undo()
+    assert batch([trials / "a"], settings=QUICK).table["status"].tolist() == ["tracked"]
+    assert state_of(trials / "a").wrong == ""
 
 
 def test_an_interrupt_stops_what_is_under_way_and_leaves_the_rest(trials, monkeypatch):

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import os
 
 import pandas as pd
 import pytest
 
+from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.schema import add_provenance, make_tracks
+from pawnb.trial import load_trial
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.provenance.results import write_track_results
 
@@ -195,6 +198,23 @@ def test_tracks_that_are_there_are_read(small_trial):
     (results / "tracks.nc").unlink()
     (doubt,) = check_trial(small_trial).doubts
     assert doubt.startswith(f"{results}: not as pawnb track left it (missing: tracks.nc)")
+
+
+def test_tracks_of_pictures_that_lay_on_their_side_are_told(small_trial):
+    """Made before pawnb heeded how a phone was held, or with the flag taken out of the file."""
+    trial = load_trial(small_trial)
+    with open_views(trial) as views:
+        sizes = {name: [r.width, r.height] for name, r in views.readers.items()}
+    tracks = make_tracks(range(7), ["FR"], fps=trial.fps, individual="m", unit="mm")
+    first = next(iter(sizes))
+    for turned in (False, True):
+        shown = sizes | ({first: sizes[first][::-1]} if turned else {})
+        made = tracks.assign_attrs(pictures_px=json.dumps(shown))
+        write_track_results(made, small_trial / "results")
+        told = [doubt for doubt in check_trial(small_trial).doubts if "other pixels" in doubt]
+        assert len(told) == turned
+    width, height = sizes[first]
+    assert f"tracked in pictures of {height} x {width} px (before it was heeded how" in told[0]
 
 
 def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):

@@ -126,6 +126,9 @@ def test_gait_of_other_tracks_or_edits_is_told(tmp_path):
     }
     write(out, run="gait", names=("strides.csv",), steps=[{"step": "gait", "inputs": sums}])
     assert find_fault(out, run="gait") is None
+    (out / "event_edits.jsonl").write_text('{"edit": "undo"}\n')
+    assert "event_edits.jsonl has changed" in find_fault(out, run="gait")
+    (out / "event_edits.jsonl").unlink()
     write(out, text="again")
     assert "tracks.nc has changed since the gait was analysed" in find_fault(out, run="gait")
     assert find_fault(out, run="track") is None

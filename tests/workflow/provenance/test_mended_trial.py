@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import pawnb
+from pawnb.core.edits.log import Accept, EditLog, Move
 from pawnb.errors import InputWarning
 from pawnb.io.native import write_tracks
 from pawnb.schema import add_provenance, make_tracks
@@ -52,14 +53,15 @@ def test_nothing_is_done_or_said_where_nothing_was_mended(trial, recwarn):
     assert not recwarn.list
 
 
-def test_a_frame_rate_that_was_wrong(trial):
+@pytest.mark.parametrize("given", ["", "results", "results/tracks.nc"])
+def test_a_frame_rate_that_was_wrong(trial, given):
     (trial.folder / "results").mkdir()
     write_tracks(tracked(trial), trial.folder / "results" / "tracks.nc")
     mended = replace(trial, fps=24.0)
     (trial.folder / "trial.toml").unlink()
     pawnb.save_trial(mended, trial.folder / "trial.toml")
     with pytest.warns(InputWarning) as told:
-        tracks = read_source(trial.folder).tracks
+        tracks = read_source(trial.folder / given).tracks
     assert any("fps was changed from 240 to 24" in str(one.message) for one in told)
     np.testing.assert_allclose(tracks["time"], np.arange(N) / 24.0)
     assert tracks.attrs["fps"] == 24.0
@@ -102,3 +104,72 @@ def test_clicks_and_calibrations_that_were_changed_need_tracking_again(trial):
     (trial.folder / "start.csv").write_text("frame,view,point,u,v\n0,side,FR,9,2\n")
     with pytest.warns(InputWarning, match=r"start.csv changed: pawnb track again"):
         assert as_described_now(tracks, trial) is tracks
+
+
+def test_corrections_that_were_not_saved_are_not_passed_over(trial, recwarn):
+    (trial.folder / "results").mkdir()
+    write_tracks(tracked(trial), trial.folder / "results" / "tracks.nc")
+    edits = trial.folder / "results" / "edits.jsonl"
+    log = EditLog(read_source(trial.folder).tracks, edits)
+    u, v = log.tracks["image_position"].values[2, 0, :, 0, 0].tolist()
+    log.apply(Accept(frame=2, view="side", point="FR", u=u, v=v))
+    read_source(trial.folder)
+    assert not [one for one in recwarn if "edits.jsonl" in str(one.message)]
+    log.apply(Move(frame=3, view="side", point="FR", u=1.0, v=2.0))
+    for given in (trial.folder, trial.folder / "results", trial.folder / "results" / "tracks.nc"):
+        with pytest.warns(InputWarning, match=r"1 correction is not in the tracks; open the rev"):
+            read_source(given)
+    write_tracks(log.stamped(), trial.folder / "results" / "tracks.nc")
+    recwarn.clear()
+    read_source(trial.folder)
+    assert not [one for one in recwarn if "edits.jsonl" in str(one.message)]
+    log.undo()  # and the tracks were not saved again, as where the program was ended
+    with pytest.warns(InputWarning, match="contain corrections that were undone"):
+        read_source(trial.folder)
+
+
+@pytest.mark.parametrize(
+    ("view", "said"),
+    [
+        (
+            {"crop": (10, 0, 90, 60)},
+            r"crop \(from none to \[10, 0, 90, 60\]\) of side changed: clicks",
+        ),
+        ({"mirror": True}, "mirror of side changed: clicks, tracks and corrections are in pixels"),
+        ({"offset": 3}, "offset of side was changed from 0 to 3: pawnb track again"),
+    ],
+)
+def test_other_pictures_than_those_that_were_tracked(trial, view, said, recwarn):
+    """And there and back: what was tracked with it needs it."""
+    other = replace(trial, views=(replace(trial.views[0], **view),))
+    with pytest.warns(InputWarning, match=said):
+        as_described_now(tracked(trial), other)
+    with pytest.warns(InputWarning, match=r"of side (was )?changed"):
+        as_described_now(tracked(other), trial)
+    # what was mended beside it does not hide it once the tracks are saved
+    mended = replace(other, fps=24.0)
+    with pytest.warns(InputWarning):
+        saved = as_described_now(tracked(trial), mended)
+    with pytest.warns(InputWarning, match=said):
+        as_described_now(saved, mended)
+    recwarn.clear()
+    as_described_now(tracked(other), other)
+    assert not recwarn.list
+
+
+def test_tracks_made_before_crops_were_kept_know_their_size(trial, recwarn):
+    tracks = tracked(trial)
+    tracks.attrs["trial"] = tracks.attrs["trial"].replace(', "offset": 0', "")
+    tracks.attrs["pictures_px"] = '{"side": [80, 60]}'
+    assert "offset" not in tracks.attrs["trial"]
+    same = replace(trial, views=(replace(trial.views[0], crop=(10, 0, 90, 60)),))
+    as_described_now(tracks, same)
+    assert not recwarn.list
+    other = replace(trial, views=(replace(trial.views[0], crop=(10, 0, 80, 60)),))
+    with pytest.warns(InputWarning, match="crop .from none to"):
+        as_described_now(tracks, other)
+
+
+def test_other_frames_than_those_that_were_tracked(trial):
+    with pytest.warns(InputWarning, match=r"frames was changed from none to \[3, 30\]"):
+        as_described_now(tracked(trial), replace(trial, frames=(3, 30)))
