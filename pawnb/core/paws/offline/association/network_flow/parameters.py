@@ -92,10 +92,6 @@ class NetworkFlowParameters:
         ends. Set by hand.
     tracklet_association_meeting : float
         Distance, in paw widths, at which points meet in a picture. Set by hand.
-    tracklet_association_beside : float
-        Distance, in paw widths, at which a tracklet that ends is beside another. Set by hand.
-    takeover_s : float
-        Time, s, before and after its end in which the other may take over its point. Set by hand.
     stood_s : float
         Time, s, for which a paw goes with the ground to be known to stand. Set by hand.
     tracklet_association_wanders : float
@@ -205,8 +201,6 @@ class NetworkFlowParameters:
     tracklet_association_dearest: tuple[float, ...] = (0.9, 1.2)
     tracklet_association_worse: float = 0.2
     tracklet_association_meeting: float = 3.0
-    tracklet_association_beside: float = 4.0
-    takeover_s: float = 0.03
     stood_s: float = 0.015
     tracklet_association_wanders: float = 2.0
     tracklets_ends: int = 6

@@ -26,7 +26,6 @@ from pawnb.core.paws.offline.association.network_flow.priors.positional_prior im
 )
 from pawnb.core.paws.offline.association.network_flow.splitting import (
     split_at_crossings,
-    split_at_swaps,
     split_sliding,
 )
 from pawnb.core.paws.offline.association.network_flow.tracklets import (
@@ -149,12 +148,6 @@ class TrackletAssociator:
             # in one picture points meet that do not meet in space
             tracklets = split_at_crossings(
                 tracklets, NETWORK_FLOW.tracklet_association_meeting * paw_width
-            )
-        else:
-            tracklets = split_at_swaps(
-                tracklets,
-                NETWORK_FLOW.tracklet_association_beside * paw_width,
-                max(3, round(NETWORK_FLOW.takeover_s * fps)),
             )
         tracklets = split_sliding(
             tracklets,
