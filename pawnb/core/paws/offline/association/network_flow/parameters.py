@@ -165,11 +165,6 @@ class NetworkFlowParameters:
         Distance, in paw widths, by which two views may disagree. Set by hand.
     ground_frames : int
         Frames, evenly spread, from which the speed of the ground is estimated. Set by hand.
-    parabola_from : int
-        Places at an end from which on a parabola tells position and speed there, no line. Set by
-        hand.
-    parabola_variance : float
-        Variance of the speed by a parabola, in that by a line. Set by hand.
     """
 
     body_clutter_slow: float = 0.35
@@ -232,8 +227,6 @@ class NetworkFlowParameters:
     support_reach: float = 0.6
     tolerance: float = 0.8
     ground_frames: int = 400
-    parabola_from: int = 5
-    parabola_variance: float = 2.0
 
 
 NETWORK_FLOW = in_force("network_flow", NetworkFlowParameters())
