@@ -103,9 +103,6 @@ class NetworkFlowParameters:
     tracklets_dear, tracklets_enough : tuple[float, ...] or float
         The speed of the ground is estimated from good places; from worse ones where those make
         fewer steps than so many a frame, as where paws are dim. Set by hand.
-    tracklets_closer : tuple[float, ...]
-        It is the mean of the steps within smaller and smaller distances of where most are. Set by
-        hand.
     at_once : int
         Frames worked on together: enough to save loops, and little memory. Set by hand.
     vague : float
@@ -201,7 +198,6 @@ class NetworkFlowParameters:
     tracklets_ends: int = 6
     tracklets_dear: tuple[float, ...] = (0.3, 0.6, 0.9, 1.2, 1.5)
     tracklets_enough: float = 0.3
-    tracklets_closer: tuple[float, ...] = (1.0, 0.5)
     at_once: int = 200
     vague: float = 0.15
     most_worth: float = 30.0

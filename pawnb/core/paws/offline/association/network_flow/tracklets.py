@@ -132,9 +132,7 @@ def estimate_substrate_velocity(
     tree = cKDTree(every)
     count = tree.query_ball_point(every, within, return_length=True)
     middle = every[int(np.argmax(count))]
-    for share in NETWORK_FLOW.tracklets_closer:
-        middle = every[tree.query_ball_point(middle, share * within)].mean(axis=0)
-    return np.asarray(middle / lag)
+    return np.asarray(every[tree.query_ball_point(middle, within)].mean(axis=0) / lag)
 
 
 def build_tracklets(places: Sequence[PointHypotheses], linking: LinkingModel) -> list[Tracklet]:
