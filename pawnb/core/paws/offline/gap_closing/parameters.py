@@ -120,12 +120,6 @@ class GapClosingParameters:
         in that of a certain place. Set by hand.
     mht_lifting : float
         Standard deviation of how lift-off changes the speed, in that of a kick. Set by hand.
-    mht_kicked : float
-        Where a point is kicked or lifts off, the variance of what happens between frames is so many
-        times the usual one. Set by hand.
-    mht_start_acceleration : float
-        Standard deviation of the acceleration where a gap begins, in the usual change of it from
-        frame to frame. Set by hand.
     mht_covered : float
         Cost of standing where another paw covers the point. Set by hand.
     mht_alike : float
@@ -211,8 +205,6 @@ class GapClosingParameters:
     mht_hold: float = 0.4
     mht_slip: float = 0.1
     mht_lifting: float = 0.5
-    mht_kicked: float = 4.0
-    mht_start_acceleration: float = 3.0
     mht_covered: float = 0.6
     mht_alike: float = 0.5
     mht_gate: float = 16.0

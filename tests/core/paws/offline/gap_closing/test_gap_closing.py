@@ -245,7 +245,7 @@ def test_a_covered_paw_stands_until_it_lifts_off():
     assert np.isnan(bridged.held[:, 1]).all()
 
 
-@pytest.mark.parametrize("share", [0.45, 0.6])
+@pytest.mark.parametrize("share", [0.45, 0.7])
 def test_where_nothing_tells_it_a_paw_lifts_off_in_its_rhythm(share):
     _, chosen, at, is_there, detection_probability = covered_paw()
     is_there[22:39, 1:] = False  # no wrist either

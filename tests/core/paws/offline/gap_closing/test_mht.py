@@ -260,7 +260,7 @@ def test_the_state_after_certain_places_is_that_of_a_kalman_filter():
     substrate_velocity = np.array([-0.5, 0.2])
     mean, P = state_after(places, substrate_velocity, parameters=mht_parameters(), speed=1.5)
     first = np.stack([places[0], substrate_velocity, np.zeros(2)])
-    before = np.diag([0.4**2, 1.5**2, 0.9**2])
+    before = np.diag([0.4**2, 1.5**2, 0.3**2])
     seen = [[(np.eye(2), place, 0.4**2)] for place in places[1:]]
     expected, spread = conditioned(first, before, 0.3, seen)
     np.testing.assert_allclose(mean.ravel(), expected, atol=1e-9)
