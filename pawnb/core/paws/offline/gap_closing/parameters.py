@@ -111,8 +111,8 @@ class GapClosingParameters:
     mht_occlusion_onset_cost, mht_occlusion_frame_cost : float
         Cost of becoming occluded to all views that track the point, and of staying so for a frame.
         Set by hand.
-    mht_reappearance_cost, mht_one_view_cost : float
-        Cost of coming out again, and of being seen by none but one of two views. Set by hand.
+    mht_reappearance_cost : float
+        Cost of coming out again. Set by hand.
     mht_sideways : float
         Points change their speed so much less to the side than forward and up. Set by hand.
     mht_hold, mht_slip : float
@@ -200,7 +200,6 @@ class GapClosingParameters:
     mht_occlusion_onset_cost: float = 2.0
     mht_occlusion_frame_cost: float = 0.6
     mht_reappearance_cost: float = 1.0
-    mht_one_view_cost: float = 0.2
     mht_sideways: float = 0.3
     mht_hold: float = 0.4
     mht_slip: float = 0.1
