@@ -120,8 +120,6 @@ class StrideParameters:
         by hand.
     swing_unsure, unsure_aside : float
         Standard deviations of places about their arc, in paw widths. Set by hand.
-    bend_to : float
-        Share of a swing after which its bends are not expected: landings differ. Set by hand.
     near_s, swing_nearest : float or int
         A lift-off belongs to a stretch that begins or ends so near, s, and frames. Set by hand.
     due_sd : float
@@ -235,7 +233,6 @@ class StrideParameters:
     swing_uncertain: float = 0.2
     swing_unsure: float = 0.1
     unsure_aside: float = 0.2
-    bend_to: float = 0.9
     near_s: float = 0.02
     swing_nearest: int = 5
     due_sd: float = 0.7

@@ -172,8 +172,7 @@ def _bend(
     third[1:-2] = np.diff(path, 3, axis=0)
     here = (frames >= 0) & (frames < n)
     inside = here & (frames > values[0]) & (frames < values[1])
-    bent = here & np.isfinite(third[:, 0])
-    bent &= frames < values[0] + STRIDE.bend_to * (values[1] - values[0])
+    bent = here & np.isfinite(third[:, 0]) & (frames < values[1])
     return inside, bent, third
 
 
