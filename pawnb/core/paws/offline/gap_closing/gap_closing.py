@@ -308,7 +308,7 @@ class _GapCloser:
             sd[:, 1:-1] = np.hypot(
                 sd[:, 1:-1], GAP_CLOSING.gap_closing_aside * motion_model.paw_width
             )
-            weight = GAP_CLOSING.on_arc * (GAP_CLOSING.gap_closing_last if gap.is_last else 1.0)
+            weight = GAP_CLOSING.gap_closing_expected
             variance[1, :n], most[1] = sd**2 / weight, 0.5 * weight * GAP_CLOSING.farthest_off_arc
         return ExpectedPositions(at, variance, axes, most)
 

@@ -23,13 +23,10 @@ class GapClosingParameters:
     gap_closing_beside : float
         Distance, in paw widths, at which it does. Set by hand.
     gap_closing_expected : float
-        Weight of a frame's distance from where the cycle has the point, as frames err alike. Only
-        where nothing certain follows: the cycle of a paw that is occluded in every stride is no
-        more than was made of it before, and what was decided too late once would be so again. Set
-        by hand.
-    on_arc, gap_closing_last : float
-        Weight of a frame's distance from the arc of its swing, and so much more where nothing
-        certain follows. Set by hand.
+        Weight of a frame's distance from the arc of its swing, and from where the cycle has the
+        point, as frames err alike. The latter only where nothing certain follows: the cycle of a
+        paw that is occluded in every stride is no more than was made of it before, and what was
+        decided too late once would be so again. Set by hand.
     gap_closing_aside : float
         Standard deviation, in paw widths, of how far aside of its arc a paw swings. Set by hand.
     farthest_off_arc : float
@@ -159,8 +156,6 @@ class GapClosingParameters:
     gap_closing_other: float = 8.0
     gap_closing_beside: float = 0.35
     gap_closing_expected: float = 0.2
-    on_arc: float = 0.2
-    gap_closing_last: float = 2.0
     gap_closing_aside: float = 0.7
     farthest_off_arc: float = 9.0
     gap_closing_kick: float = 0.8
