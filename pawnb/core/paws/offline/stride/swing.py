@@ -160,7 +160,7 @@ def _usual(swings: Sequence[Swing]) -> list[Swing]:
         return []
     lasts = np.array([land - lift for lift, land in (one.times for one in swings)])
     usual = float(np.median(lasts))
-    usually = (lasts > usual / STRIDE.swing_odd) & (lasts < usual * STRIDE.swing_odd)
+    usually = (lasts > usual / STRIDE.odd) & (lasts < usual * STRIDE.odd)
     return [one for one, kept in zip(swings, usually, strict=True) if kept]
 
 

@@ -153,9 +153,7 @@ def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
     SwingTrajectory
         The arc.
     """
-    highest = np.where(part.weight > STRIDE.swing_trajectory_seen, part.up, 0.0).max(
-        axis=1, initial=0.0
-    )
+    highest = np.where(part.weight > STRIDE.swing_seen, part.up, 0.0).max(axis=1, initial=0.0)
     told = highest[highest > STRIDE.least_high]
     height, shape = float(np.median(told)) if len(told) else 1.0, _shape()
     values, shape_sd = _first(guess, height), np.array(STRIDE.swing_shape_sd)

@@ -27,10 +27,10 @@ class NetworkFlowParameters:
         Standard deviation, in spans, of how far to the side of its click a paw is later. Measured:
         it wanders by 0.02 to 0.08 itself; and detections of two views of one side that lie half a
         paw width off are as much off in depth. Set by hand above that.
-    contralateral_farthest : float
-        Squared standard deviations beyond which it costs no more: that is the other paw. Half of it
-        is less than being occluded costs in a frame, as all that tells where a point usually is
-        must be. Set by hand.
+    usual_farthest : float
+        Squared standard deviations, along and to the side, beyond which it costs no more to be far
+        from where paws of a kind usually are: that is another paw. Half of it is less than being
+        occluded costs in a frame, as all that tells where a point usually is must be. Set by hand.
     same_side : float
         An unlabelled target that is within so many spans, to the side, of where the paw of its kind
         was clicked is that paw. Measured: clicks of two views of one side are 0.01 off in depth,
@@ -140,8 +140,6 @@ class NetworkFlowParameters:
     kinds_reach, kinds_sd : float
         Distance, in spans, from where paws of its kind usually are that costs nothing, and standard
         deviation beyond it. Set by hand.
-    kinds_farthest : float
-        Squared standard deviations beyond which it costs no more. Set by hand.
     kinds_quantiles : tuple of float
         Quantiles of good places at which front and hind paws are, where no click tells. Set by
         hand.
@@ -169,7 +167,7 @@ class NetworkFlowParameters:
     body_clutter_passed: float = 3.0
     body_clutter_share: float = 0.8
     aside_sd: float = 0.1
-    contralateral_farthest: float = 6.0
+    usual_farthest: float = 6.0
     same_side: float = 0.1
     far_side: float = 0.2
     lateral_prior_wanders: float = 0.1
@@ -214,7 +212,6 @@ class NetworkFlowParameters:
     ground_fastest: float = 2.0
     kinds_reach: float = 0.33
     kinds_sd: float = 0.1
-    kinds_farthest: float = 6.0
     kinds_quantiles: tuple[float, ...] = (0.75, 0.25)
     gate: float = 16.0
     clear: float = 5.0
