@@ -33,6 +33,7 @@ from pawnb.core.paws.offline.gap_closing.usual_region import (
 )
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate
 
 
@@ -177,7 +178,7 @@ class _GapCloser:
         motion_model = self.substrate.motion_model
         state, covariance = state_after(
             self.state.chosen[gap.before, point], gap.way * motion_model.substrate_velocity,
-            parameters=self.parameters, speed=GAP_CLOSING.unknown_speed * motion_model.speed,
+            parameters=self.parameters, speed=MOVEMENT.unknown_speed * motion_model.speed,
         )  # fmt: skip
         due = self._due(point, gap)
         edge, standing = self._standing(point, gap, is_told=due is not None)

@@ -88,9 +88,6 @@ class GapClosingParameters:
         Standard deviation of a place that is certain, in paw widths. Set by hand.
     reach : float
         A point goes no farther than so many body sizes while no tracklet is certain. Set by hand.
-    unknown_speed : float
-        Standard deviation of a speed of which nothing is known, in that of the fastest swings. Set
-        by hand.
     least_detection_probability : float
         Detections count as likely as this at least. Set by hand.
     mht_impulse_cost : float
@@ -183,7 +180,6 @@ class GapClosingParameters:
     wrist_risen: float = 0.7
     certain_sd: float = 0.25
     reach: float = 1.5
-    unknown_speed: float = 0.4
     least_detection_probability: float = 0.02
     mht_impulse_cost: float = 2.0
     mht_good: float = 0.15

@@ -127,8 +127,6 @@ class NetworkFlowParameters:
     click_alone : float
         In a clicked frame places nearer than so many paw widths to a click are the clicked paw's.
         Set by hand.
-    unknown_speed : float
-        Standard deviation of an unknown speed, in the greatest speed. Set by hand.
     dearest_linked : float
         Places dearer than this are in no tracklet. Set by hand.
     dearest_single : float
@@ -205,7 +203,6 @@ class NetworkFlowParameters:
     positional_prior_blur: float = 0.05
     positional_prior_rare: float = 1e-3
     click_alone: float = 1.2
-    unknown_speed: float = 0.4
     dearest_linked: float = 1.6
     dearest_single: float = 0.5
     ground_within: float = 0.3

@@ -103,7 +103,7 @@ class TrackletAssociator:
         self.motion_model = _motion_model(places, scene, fps, settings)
         noise, speed = (
             settings.noise * scene.paw_width,
-            NETWORK_FLOW.unknown_speed * self.motion_model.speed,
+            MOVEMENT.unknown_speed * self.motion_model.speed,
         )
         substrate_velocity = self.motion_model.substrate_velocity
         linking = LinkingModel(
