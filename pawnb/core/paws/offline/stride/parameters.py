@@ -145,15 +145,11 @@ class StrideParameters:
     swing_trajectory_lowest, swing_trajectory_highest : float
         A swing's height lies between these, in the median: what goes lower was mistaken. Set by
         hand.
-    noise_aside : float
-        Standard deviation of a place about its arc, in paw widths, aside. Set by hand.
     swing_trajectory_steps, swing_trajectory_rounds, swing_trajectory_fits : int
         Steps of a fit of one swing, rounds of swings and what they share, and fits of all in all.
         Set by hand.
     most_frames, most_slope, most_shape : float
         Largest changes in one step of a fit. Set by hand.
-    aside_sd : float
-        Standard deviation of how far a swing leads aside, in its length. Set by hand.
     least_high : float
         A swing that is seen no higher than so many paw widths says nothing of heights. Set by hand.
     cycle_full : float
@@ -244,14 +240,12 @@ class StrideParameters:
     largest_shape: float = 4.0
     swing_trajectory_lowest: float = 0.6
     swing_trajectory_highest: float = 1.6
-    noise_aside: float = 0.3
     swing_trajectory_steps: int = 4
     swing_trajectory_rounds: int = 6
     swing_trajectory_fits: int = 4
     most_frames: float = 1.5
     most_slope: float = 0.2
     most_shape: float = 0.3
-    aside_sd: float = 0.3
     least_high: float = 0.2
     cycle_full: float = 3.0
     cycle_phase_rounds: int = 5
