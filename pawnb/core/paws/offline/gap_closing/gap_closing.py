@@ -33,6 +33,7 @@ from pawnb.core.paws.offline.gap_closing.usual_region import (
 )
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate
 
 
@@ -177,7 +178,7 @@ class _GapCloser:
         motion_model = self.substrate.motion_model
         state, covariance = state_after(
             self.state.chosen[gap.before, point], gap.way * motion_model.substrate_velocity,
-            parameters=self.parameters, speed=GAP_CLOSING.unknown_speed * motion_model.speed,
+            parameters=self.parameters, speed=MOVEMENT.unknown_speed * motion_model.speed,
         )  # fmt: skip
         due = self._due(point, gap)
         edge, standing = self._standing(point, gap, is_told=due is not None)
@@ -308,7 +309,7 @@ class _GapCloser:
             sd[:, 1:-1] = np.hypot(
                 sd[:, 1:-1], GAP_CLOSING.gap_closing_aside * motion_model.paw_width
             )
-            weight = GAP_CLOSING.on_arc * (GAP_CLOSING.gap_closing_last if gap.is_last else 1.0)
+            weight = GAP_CLOSING.gap_closing_expected
             variance[1, :n], most[1] = sd**2 / weight, 0.5 * weight * GAP_CLOSING.farthest_off_arc
         return ExpectedPositions(at, variance, axes, most)
 

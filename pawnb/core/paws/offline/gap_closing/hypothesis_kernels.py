@@ -228,7 +228,7 @@ def _stepped(now: HypothesisBank, n: int, then: HypothesisBank) -> None:
     """Go on by one frame at constant acceleration."""
     size = len(now.mean)
     d = size // 3
-    one_view_cost = np.empty((size, size, n))
+    half = np.empty((size, size, n))
     for i in range(d):
         for b in range(n):
             x, v, a = now.mean[i, b], now.mean[d + i, b], now.mean[2 * d + i, b]
@@ -241,17 +241,17 @@ def _stepped(now: HypothesisBank, n: int, then: HypothesisBank) -> None:
                     now.covariance[at_x, b], now.covariance[at_v, b], now.covariance[at_a, b],
                 )  # fmt: skip
                 (
-                    one_view_cost[i, j, b],
-                    one_view_cost[d + i, j, b],
-                    one_view_cost[2 * d + i, j, b],
+                    half[i, j, b],
+                    half[d + i, j, b],
+                    half[2 * d + i, j, b],
                 ) = x + v + 0.5 * a, v + a, a
     for j in range(size):
         for i in range(d):
             for b in range(n):
                 x, v, a = (
-                    one_view_cost[j, i, b],
-                    one_view_cost[j, d + i, b],
-                    one_view_cost[j, 2 * d + i, b],
+                    half[j, i, b],
+                    half[j, d + i, b],
+                    half[j, 2 * d + i, b],
                 )
                 if j >= i:
                     then.covariance[cell(j, i), b] = x + v + 0.5 * a

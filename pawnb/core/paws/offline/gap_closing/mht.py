@@ -16,7 +16,6 @@ from pawnb.arrays import FloatArray
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
-from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
 _GAIN = np.array([[1 / 6], [0.5], [1.0]])
 """Mathematics: how a change of acceleration in one frame changes place, speed and acceleration."""
@@ -61,8 +60,8 @@ def process_noise_of(
     return ProcessNoise(
         # how a paw lifts off is known better than how it is kicked
         plain[lower],
-        (GAP_CLOSING.mht_kicked * plain + impulse)[lower],
-        (GAP_CLOSING.mht_kicked * plain + parameters.lifting**2 * impulse)[lower],
+        (plain + impulse)[lower],
+        (plain + parameters.lifting**2 * impulse)[lower],
         substrate_velocity,
         liftoff_velocity,
         (parameters.hold * parameters.noise) ** 2,
@@ -94,9 +93,7 @@ def state_after(
         Alike in every direction.
     """
     mean = np.stack([places[0], substrate_velocity, np.zeros(places.shape[1])])
-    P = np.diag(
-        [parameters.noise**2, speed**2, (GAP_CLOSING.mht_start_acceleration * parameters.jerk) ** 2]
-    )
+    P = np.diag([parameters.noise**2, speed**2, parameters.jerk**2])
     _follow(mean, P, places, parameters.jerk**2 * _GAIN @ _GAIN.T, parameters.noise**2)
     return mean, P
 
@@ -106,21 +103,19 @@ def _follow(
     mean: np.ndarray, P: np.ndarray, places: np.ndarray, noise: np.ndarray, variance: float
 ) -> None:
     """Let a state (3, d) and its covariance (3, 3) follow all places but the first."""
-    one_view_cost, gain = np.empty((3, 3)), np.empty(3)
+    half, gain = np.empty((3, 3)), np.empty(3)
     for t in range(1, len(places)):
         for i in range(3):
-            one_view_cost[0, i] = P[0, i] + P[1, i] + 0.5 * P[2, i]
-            one_view_cost[1, i], one_view_cost[2, i] = P[1, i] + P[2, i], P[2, i]
+            half[0, i] = P[0, i] + P[1, i] + 0.5 * P[2, i]
+            half[1, i], half[2, i] = P[1, i] + P[2, i], P[2, i]
         for i in range(3):
-            P[i, 0] = (
-                one_view_cost[i, 0] + one_view_cost[i, 1] + 0.5 * one_view_cost[i, 2] + noise[i, 0]
-            )
+            P[i, 0] = half[i, 0] + half[i, 1] + 0.5 * half[i, 2] + noise[i, 0]
             P[i, 1], P[i, 2] = (
-                one_view_cost[i, 1] + one_view_cost[i, 2] + noise[i, 1],
-                one_view_cost[i, 2] + noise[i, 2],
+                half[i, 1] + half[i, 2] + noise[i, 1],
+                half[i, 2] + noise[i, 2],
             )
         for i in range(3):
-            gain[i], one_view_cost[0, i] = P[i, 0] / (P[0, 0] + variance), P[0, i]
+            gain[i], half[0, i] = P[i, 0] / (P[0, 0] + variance), P[0, i]
         for c in range(mean.shape[1]):
             mean[0, c] += mean[1, c] + 0.5 * mean[2, c]
             mean[1, c] += mean[2, c]
@@ -129,4 +124,4 @@ def _follow(
                 mean[i, c] += gain[i] * away
         for i in range(3):
             for j in range(3):
-                P[i, j] -= gain[i] * one_view_cost[0, j]
+                P[i, j] -= gain[i] * half[0, j]

@@ -253,16 +253,12 @@ def _occlusion_cost(
     covered: bool,
 ) -> float:
     """Return what being seen or occluded costs a hypothesis, and note whether it is occluded."""
-    views, most, was = 0, 0, hypotheses.occluded[b]
+    views, was = 0, hypotheses.occluded[b]
     for v in range(len(tracked_in_view)):
-        if tracked_in_view[v]:
-            most += 1
-            views += hypotheses.taken[v, b] >= 0
+        views += tracked_in_view[v] and hypotheses.taken[v, b] >= 0
     hypotheses.occluded[b] = views == 0
     if views > 0:
-        return (parameters.reappearance_cost if was else 0.0) + parameters.one_view_cost * (
-            1.0 - views / most
-        )
+        return parameters.reappearance_cost if was else 0.0
     if covered and hypotheses.standing[b]:
         return parameters.covered
     return parameters.occlusion_frame_cost if was else parameters.occlusion_onset_cost

@@ -25,8 +25,8 @@ class MHTParameters(NamedTuple):
     rising, swinging : int
         Frames after lift-off in which a paw may look poor, and in which it swings for certain.
     impulse_cost, good, bad, bad_cost, clutter, seen, seen_across, occlusion_onset_cost, \
-    occlusion_frame_cost, reappearance_cost, one_view_cost, sideways, hold, slip, lifting, \
-    covered, alike, gate, out_of_reach_cost, pruning_cost : float
+    occlusion_frame_cost, reappearance_cost, sideways, hold, slip, lifting, covered, alike, gate, \
+    out_of_reach_cost, pruning_cost : float
         As of the stage.
     most, most_within : int
         As of the stage.
@@ -48,7 +48,6 @@ class MHTParameters(NamedTuple):
     occlusion_onset_cost: float
     occlusion_frame_cost: float
     reappearance_cost: float
-    one_view_cost: float
     sideways: float
     hold: float
     slip: float

@@ -23,13 +23,10 @@ class GapClosingParameters:
     gap_closing_beside : float
         Distance, in paw widths, at which it does. Set by hand.
     gap_closing_expected : float
-        Weight of a frame's distance from where the cycle has the point, as frames err alike. Only
-        where nothing certain follows: the cycle of a paw that is occluded in every stride is no
-        more than was made of it before, and what was decided too late once would be so again. Set
-        by hand.
-    on_arc, gap_closing_last : float
-        Weight of a frame's distance from the arc of its swing, and so much more where nothing
-        certain follows. Set by hand.
+        Weight of a frame's distance from the arc of its swing, and from where the cycle has the
+        point, as frames err alike. The latter only where nothing certain follows: the cycle of a
+        paw that is occluded in every stride is no more than was made of it before, and what was
+        decided too late once would be so again. Set by hand.
     gap_closing_aside : float
         Standard deviation, in paw widths, of how far aside of its arc a paw swings. Set by hand.
     farthest_off_arc : float
@@ -91,9 +88,6 @@ class GapClosingParameters:
         Standard deviation of a place that is certain, in paw widths. Set by hand.
     reach : float
         A point goes no farther than so many body sizes while no tracklet is certain. Set by hand.
-    unknown_speed : float
-        Standard deviation of a speed of which nothing is known, in that of the fastest swings. Set
-        by hand.
     least_detection_probability : float
         Detections count as likely as this at least. Set by hand.
     mht_impulse_cost : float
@@ -111,8 +105,8 @@ class GapClosingParameters:
     mht_occlusion_onset_cost, mht_occlusion_frame_cost : float
         Cost of becoming occluded to all views that track the point, and of staying so for a frame.
         Set by hand.
-    mht_reappearance_cost, mht_one_view_cost : float
-        Cost of coming out again, and of being seen by none but one of two views. Set by hand.
+    mht_reappearance_cost : float
+        Cost of coming out again. Set by hand.
     mht_sideways : float
         Points change their speed so much less to the side than forward and up. Set by hand.
     mht_hold, mht_slip : float
@@ -120,12 +114,6 @@ class GapClosingParameters:
         in that of a certain place. Set by hand.
     mht_lifting : float
         Standard deviation of how lift-off changes the speed, in that of a kick. Set by hand.
-    mht_kicked : float
-        Where a point is kicked or lifts off, the variance of what happens between frames is so many
-        times the usual one. Set by hand.
-    mht_start_acceleration : float
-        Standard deviation of the acceleration where a gap begins, in the usual change of it from
-        frame to frame. Set by hand.
     mht_covered : float
         Cost of standing where another paw covers the point. Set by hand.
     mht_alike : float
@@ -165,8 +153,6 @@ class GapClosingParameters:
     gap_closing_other: float = 8.0
     gap_closing_beside: float = 0.35
     gap_closing_expected: float = 0.2
-    on_arc: float = 0.2
-    gap_closing_last: float = 2.0
     gap_closing_aside: float = 0.7
     farthest_off_arc: float = 9.0
     gap_closing_kick: float = 0.8
@@ -194,7 +180,6 @@ class GapClosingParameters:
     wrist_risen: float = 0.7
     certain_sd: float = 0.25
     reach: float = 1.5
-    unknown_speed: float = 0.4
     least_detection_probability: float = 0.02
     mht_impulse_cost: float = 2.0
     mht_good: float = 0.15
@@ -206,13 +191,10 @@ class GapClosingParameters:
     mht_occlusion_onset_cost: float = 2.0
     mht_occlusion_frame_cost: float = 0.6
     mht_reappearance_cost: float = 1.0
-    mht_one_view_cost: float = 0.2
     mht_sideways: float = 0.3
     mht_hold: float = 0.4
     mht_slip: float = 0.1
     mht_lifting: float = 0.5
-    mht_kicked: float = 4.0
-    mht_start_acceleration: float = 3.0
     mht_covered: float = 0.6
     mht_alike: float = 0.5
     mht_gate: float = 16.0

@@ -42,6 +42,9 @@ class MovementParameters:
         front from hind paws; from the side, however steep, the far ones are less high. Set by hand.
     fastest : float
         Speed of the fastest swings, in spans per second. Set by hand.
+    unknown_speed : float
+        Standard deviation of a speed of which nothing is known, in that of the fastest swings. Set
+        by hand.
     around_share : float
         Side of the square that tells a grey paw's surroundings, as a share of the picture's width.
         Set by hand.
@@ -74,6 +77,7 @@ class MovementParameters:
     beside_strange: float = 0.8
     treadmill_rows: float = 0.25
     fastest: float = 12.0
+    unknown_speed: float = 0.4
     around_share: float = 0.06
     bottom_view_apart: float = 0.4
     bottom_view_sunk_sd: float = 0.5

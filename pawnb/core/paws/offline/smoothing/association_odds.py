@@ -41,7 +41,7 @@ def association_log_odds(
         What every view shows.
     negative_log_odds : ndarray, shape (n, P, V, C)
         What speaks against each detection being each point, minus a logarithm of odds.
-    sigma : ndarray, shape (n, P, V, C)
+    sigma : ndarray, shape (n, V, C)
         Standard deviation of each detection, px.
     geometry : Projection
         The views.

@@ -31,7 +31,7 @@ def gaps(
         Where each detection says that each point is, px.
     is_there : ndarray of bool, shape (n, V, C)
         False where a picture has fewer detections.
-    sigma : ndarray, shape (n, P, V, C)
+    sigma : ndarray, shape (n, V, C)
         Standard deviation of each detection, px.
     negative_log_odds : ndarray, shape (n, P, V, C)
         What else speaks against each, minus a logarithm of odds.
@@ -48,11 +48,11 @@ def gaps(
                 u0, v0 = measured[t, p, v, 0], measured[t, p, v, 1]
                 if np.isnan(u0):
                     continue
-                tracked_in_view, other = np.inf, np.inf
+                taken, other = np.inf, np.inf
                 for i in range(n_candidates):
                     if not is_there[t, v, i]:
                         continue
-                    s2 = sigma[t, p, v, i] ** 2
+                    s2 = sigma[t, v, i] ** 2
                     a = spread[t, p, v, 0, 0] + s2
                     b = spread[t, p, v, 0, 1]
                     c = spread[t, p, v, 1, 1] + s2
@@ -62,10 +62,10 @@ def gaps(
                     cost = negative_log_odds[t, p, v, i] + 0.5 * (square + np.log(det))
                     away = np.hypot(at[t, p, v, i, 0] - u0, at[t, p, v, i, 1] - v0)
                     if away == 0.0:
-                        tracked_in_view = min(tracked_in_view, cost)
+                        taken = min(taken, cost)
                     elif away >= apart[v]:
                         other = min(other, cost)
                 # what was placed by hand is no detection
-                if tracked_in_view < np.inf:
-                    found[t, p, v] = min(max(other - tracked_in_view, -most), most)
+                if taken < np.inf:
+                    found[t, p, v] = min(max(other - taken, -most), most)
     return found

@@ -65,9 +65,6 @@ class SmoothingParameters:
         out. Set by hand.
     least_clear : float
         Standard deviations are those of a detection of this quality, at least. Set by hand.
-    other_side : float
-        Detections of a view from the other side, which sees less of the paw, are so much vaguer.
-        Set by hand.
     first_sd : float
         Standard deviation of certain places, in paw widths, in the first path through them. Set by
         hand.
@@ -94,7 +91,6 @@ class SmoothingParameters:
     by_hand_px: float = 0.3
     alike: float = 0.06
     least_clear: float = 0.3
-    other_side: float = 1.5
     first_sd: float = 0.3
 
 

@@ -40,8 +40,6 @@ class MeasurementModel:
         The same in space.
     jerk : float
         Standard deviation of the change of acceleration from frame to frame.
-    tracked_in_view : ndarray of bool, shape (P, V)
-        Which view tracks which point.
     unsure : ndarray, shape (P,)
         Standard error of the offsets of the tracked points, in paw widths.
     """
@@ -50,7 +48,6 @@ class MeasurementModel:
     paw_width_px: FloatArray
     paw_width: float
     jerk: float
-    tracked_in_view: BoolArray
     unsure: FloatArray
 
 
@@ -176,17 +173,9 @@ class _Expected:
 
 
 def deviations(detection_probability: FloatArray, measurement: MeasurementModel) -> FloatArray:
-    """Return standard deviations (n, P, V, C), px, of detections of a quality (n, V, C)."""
-    base = (
-        SMOOTHING.refinement_sigma / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
-    )[:, None] * _larger_deviation(measurement)[..., None]
-    return np.asarray(base * measurement.paw_width_px[:, None])
-
-
-def _larger_deviation(measurement: MeasurementModel) -> FloatArray:
-    """Return how much vaguer detections of each point and view (P, V) are."""
-    # a view from the other side sees less of the paw
-    return np.where(measurement.tracked_in_view, 1.0, SMOOTHING.other_side)
+    """Return standard deviations (n, V, C), px, of detections of a quality (n, V, C)."""
+    share = SMOOTHING.refinement_sigma / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
+    return np.asarray(share * measurement.paw_width_px[:, None])
 
 
 @dataclass(frozen=True)
@@ -292,11 +281,7 @@ def _weights(
     robust: bool,
 ) -> FloatArray:
     """Return the weight (n, P, V), px^-2, of each measurement: less for doubtful ones."""
-    base = (
-        SMOOTHING.refinement_sigma
-        / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
-        * _larger_deviation(measurement)
-    )
+    base = SMOOTHING.refinement_sigma / np.clip(detection_probability, SMOOTHING.least_clear, 1.0)
     weight = 1.0 / (base * measurement.paw_width_px) ** 2
     away = (
         np.linalg.norm(measured - measurement.geometry.project(x), axis=-1)

@@ -30,9 +30,9 @@ class StrideParameters:
         Neighbouring frames of a stride that err alike. Set by hand.
     duty_factor_least : int
         Strides of a kind of paw from which its share is learnt. Set by hand.
-    duty_factor_odd : float
-        A stride this many times as long as the usual one, or as short, teaches nothing: a stance
-        was missed. Set by hand.
+    odd : float
+        A stride or a swing this many times as long as the usual one, or as short, teaches nothing:
+        a stance was missed. Set by hand.
     duty_factor_covered : float
         Share of the time, of all points, that their usual strides make up at least. Measured: in
         rendered scenes 0.42 to 0.92. In a clip of a mouse whose paws are seen to stand for a few
@@ -109,8 +109,6 @@ class StrideParameters:
         Swings of a kind from which its arc is learnt. Set by hand.
     least_step : float
         Paw widths that a swing goes forward at least. Set by hand.
-    swing_odd : float
-        Swings so many times as long as the usual one, or as short, are none. Set by hand.
     swing_margin : int
         Frames before and after a swing that are fitted too. Set by hand.
     swing_seen : float
@@ -120,8 +118,6 @@ class StrideParameters:
         by hand.
     swing_unsure, unsure_aside : float
         Standard deviations of places about their arc, in paw widths. Set by hand.
-    bend_to : float
-        Share of a swing after which its bends are not expected: landings differ. Set by hand.
     near_s, swing_nearest : float or int
         A lift-off belongs to a stretch that begins or ends so near, s, and frames. Set by hand.
     due_sd : float
@@ -149,19 +145,13 @@ class StrideParameters:
     swing_trajectory_lowest, swing_trajectory_highest : float
         A swing's height lies between these, in the median: what goes lower was mistaken. Set by
         hand.
-    noise_aside : float
-        Standard deviation of a place about its arc, in paw widths, aside. Set by hand.
     swing_trajectory_steps, swing_trajectory_rounds, swing_trajectory_fits : int
         Steps of a fit of one swing, rounds of swings and what they share, and fits of all in all.
         Set by hand.
     most_frames, most_slope, most_shape : float
         Largest changes in one step of a fit. Set by hand.
-    aside_sd : float
-        Standard deviation of how far a swing leads aside, in its length. Set by hand.
     least_high : float
         A swing that is seen no higher than so many paw widths says nothing of heights. Set by hand.
-    swing_trajectory_seen : float
-        Weight from which a place counts as seen. Set by hand.
     cycle_full : float
         A phase counts fully where more than one over this of the frames about it show the point.
         Set by hand.
@@ -193,7 +183,7 @@ class StrideParameters:
     cycle_ridge: float = 0.1
     cycle_alike: float = 5.0
     duty_factor_least: int = 2
-    duty_factor_odd: float = 1.5
+    odd: float = 1.5
     duty_factor_covered: float = 0.35
     duty_factor_finest: float = 0.02
     like_others: float = 0.02
@@ -229,13 +219,11 @@ class StrideParameters:
     swing_tail: float = 3.0
     swing_least: int = 3
     least_step: float = 2.0
-    swing_odd: float = 1.5
     swing_margin: int = 4
     swing_seen: float = 0.3
     swing_uncertain: float = 0.2
     swing_unsure: float = 0.1
     unsure_aside: float = 0.2
-    bend_to: float = 0.9
     near_s: float = 0.02
     swing_nearest: int = 5
     due_sd: float = 0.7
@@ -252,16 +240,13 @@ class StrideParameters:
     largest_shape: float = 4.0
     swing_trajectory_lowest: float = 0.6
     swing_trajectory_highest: float = 1.6
-    noise_aside: float = 0.3
     swing_trajectory_steps: int = 4
     swing_trajectory_rounds: int = 6
     swing_trajectory_fits: int = 4
     most_frames: float = 1.5
     most_slope: float = 0.2
     most_shape: float = 0.3
-    aside_sd: float = 0.3
     least_high: float = 0.2
-    swing_trajectory_seen: float = 0.3
     cycle_full: float = 3.0
     cycle_phase_rounds: int = 5
     cycle_stiff: float = 0.005

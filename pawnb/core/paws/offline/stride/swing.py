@@ -132,20 +132,19 @@ def learn_swings(
     still = (
         x - np.arange(len(x))[:, None, None] * substrate.substrate_velocity
     ) @ motion_model.axes.T
-    outside = _outside(still, kinds)
     for kind in sorted(set(kinds)):
         mine = _usual([swing for swing in found if kinds[swing.point] == kind])
         whole = [swing for swing in mine if swing.is_whole]
         if len(whole) < STRIDE.swing_least:
             continue
         trajectory = learn_trajectory(
-            _part(whole, still, weight, outside, motion_model, certain=certain), _guess(whole)
+            _part(whole, still, weight, motion_model, certain=certain), _guess(whole)
         )
-        part = _part(mine, still, weight, outside, motion_model, certain=certain)
+        part = _part(mine, still, weight, motion_model, certain=certain)
         for swing, values, covariance in zip(
             mine, *fit_swings(trajectory, part, _guess(mine)), strict=True
         ):
-            frames, path, spread = _path(swing, values, covariance, trajectory, substrate, outside)
+            frames, path, spread = _path(swing, values, covariance, trajectory, substrate)
             inside, bent, third = _bend(frames, path, values, len(x))
             place[frames[inside], swing.point] = path[inside]
             sd[frames[inside], swing.point] = spread[inside]
@@ -160,7 +159,7 @@ def _usual(swings: Sequence[Swing]) -> list[Swing]:
         return []
     lasts = np.array([land - lift for lift, land in (one.times for one in swings)])
     usual = float(np.median(lasts))
-    usually = (lasts > usual / STRIDE.swing_odd) & (lasts < usual * STRIDE.swing_odd)
+    usually = (lasts > usual / STRIDE.odd) & (lasts < usual * STRIDE.odd)
     return [one for one, kept in zip(swings, usually, strict=True) if kept]
 
 
@@ -172,22 +171,8 @@ def _bend(
     third[1:-2] = np.diff(path, 3, axis=0)
     here = (frames >= 0) & (frames < n)
     inside = here & (frames > values[0]) & (frames < values[1])
-    bent = here & np.isfinite(third[:, 0])
-    bent &= frames < values[0] + STRIDE.bend_to * (values[1] - values[0])
+    bent = here & np.isfinite(third[:, 0]) & (frames < values[1])
     return inside, bent, third
-
-
-def _outside(still: np.ndarray, kinds: Sequence[str]) -> np.ndarray:
-    """Return the sign (P,) of the way to the outside: left and right paws mirror each other."""
-    sign = np.ones(len(kinds))
-    if still.shape[2] == 3:
-        known = np.isfinite(still[..., 1]).any(axis=0)
-        for kind in set(kinds):
-            pair = [p for p, of in enumerate(kinds) if of == kind and known[p]]
-            if len(pair) == 2:
-                middle = np.nanmedian(still[:, pair, 1], axis=0)
-                sign[pair] = np.where(middle >= middle.max(), 1.0, -1.0)
-    return sign
 
 
 def _guess(swings: Sequence[Swing]) -> Guess:
@@ -199,7 +184,6 @@ def _part(
     swings: Sequence[Swing],
     still: FloatArray,
     weight: FloatArray,
-    outside: FloatArray,
     motion_model: MotionModel,
     *,
     certain: BoolArray,
@@ -226,10 +210,9 @@ def _part(
     is_whole = np.array([one.is_whole for one in swings])
     sure = certain[at, point[:, None]] | is_whole[:, None]
     counted = weight[at, point[:, None]] * np.where(sure, 1.0, STRIDE.swing_uncertain)
-    aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
     return Part(
-        frames, way, off[..., -1], outside[point][:, None] * aside,
-        np.where(inside, counted, 0.0), step[:, 0] / motion_model.paw_width,
+        frames, way, off[..., -1], np.where(inside, counted, 0.0),
+        step[:, 0] / motion_model.paw_width,
     )  # fmt: skip
 
 
@@ -239,7 +222,6 @@ def _path(
     covariance: FloatArray,
     trajectory: SwingTrajectory,
     substrate: Substrate,
-    outside: FloatArray,
 ) -> tuple[IntArray, FloatArray, FloatArray]:
     """Return frames (T,) about a swing, where the paw is (T, d), and how sure that is (T, d)."""
     motion_model = substrate.motion_model
@@ -257,9 +239,6 @@ def _path(
     variance = variance * np.array([end[0] - begin[0], paw_width]) ** 2
     variance += (STRIDE.swing_unsure * paw_width) ** 2
     if len(axes) == 3:
-        along[:, 1] += outside[swing.point] * trajectory.aside * up * paw_width
-        aside = (
-            trajectory.aside_sd**2 * up**2 + STRIDE.swing_unsure**2 + STRIDE.unsure_aside**2
-        ) * paw_width**2
+        aside = (STRIDE.swing_unsure**2 + STRIDE.unsure_aside**2) * paw_width**2
         variance = np.insert(variance, 1, aside, axis=1)
     return frames, along @ axes + frames[:, None] * substrate.substrate_velocity, np.sqrt(variance)

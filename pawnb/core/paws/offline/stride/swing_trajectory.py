@@ -29,9 +29,8 @@ class Part:
         The frames.
     way : ndarray, shape (S, T)
         Share of the way forward.
-    up, aside : ndarray, shape (S, T)
-        Height above the line from begin to end, and distance from it to the outside,
-        paw widths.
+    up : ndarray, shape (S, T)
+        Height above the line from begin to end, paw widths.
     weight : ndarray, shape (S, T)
         How much each frame counts, 0 where nothing is seen.
     step : ndarray, shape (S,)
@@ -41,7 +40,6 @@ class Part:
     frames: np.ndarray
     way: FloatArray
     up: FloatArray
-    aside: FloatArray
     weight: FloatArray
     step: FloatArray
 
@@ -70,15 +68,11 @@ class SwingTrajectory:
         The exponents a and b.
     height : float
         Median height of its swings, paw widths.
-    aside, aside_sd : float
-        How far it goes to the outside for each thickness that it goes up.
     """
 
     shape: FloatArray
     covariance: FloatArray
     height: float
-    aside: float
-    aside_sd: float
 
 
 def trajectory_at(
@@ -153,9 +147,7 @@ def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
     SwingTrajectory
         The arc.
     """
-    highest = np.where(part.weight > STRIDE.swing_trajectory_seen, part.up, 0.0).max(
-        axis=1, initial=0.0
-    )
+    highest = np.where(part.weight > STRIDE.swing_seen, part.up, 0.0).max(axis=1, initial=0.0)
     told = highest[highest > STRIDE.least_high]
     height, shape = float(np.median(told)) if len(told) else 1.0, _shape()
     values, shape_sd = _first(guess, height), np.array(STRIDE.swing_shape_sd)
@@ -166,11 +158,7 @@ def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
         step = np.clip(step, -STRIDE.most_shape, STRIDE.most_shape)
         shape = np.clip(shape - step, STRIDE.least_shape, STRIDE.largest_shape)
         height = float(np.median(values[:, 2]))
-    _, up = trajectory_at(values, shape, part.frames)
-    weight = part.weight / (STRIDE.noise_aside**2 * STRIDE.swing_alike)
-    sure = 1.0 / STRIDE.aside_sd**2 + float((weight * up**2).sum())
-    aside = float((weight * up * part.aside).sum()) / sure
-    return SwingTrajectory(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
+    return SwingTrajectory(shape, np.linalg.inv(normal), height)
 
 
 def fit_swings(

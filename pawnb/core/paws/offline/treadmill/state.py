@@ -120,7 +120,7 @@ class PipelineState:
         scene, targets = self.recording.scene, self.targets
         return MeasurementModel(
             scene.projection, scene.paw_width_px, scene.paw_width, self.paths.motion_model.jerk,
-            targets.tracked_in_view, targets.unsure,
+            targets.unsure,
         )  # fmt: skip
 
     @property

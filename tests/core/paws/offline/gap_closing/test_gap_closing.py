@@ -245,7 +245,7 @@ def test_a_covered_paw_stands_until_it_lifts_off():
     assert np.isnan(bridged.held[:, 1]).all()
 
 
-@pytest.mark.parametrize("share", [0.45, 0.6])
+@pytest.mark.parametrize("share", [0.45, 0.7])
 def test_where_nothing_tells_it_a_paw_lifts_off_in_its_rhythm(share):
     _, chosen, at, is_there, detection_probability = covered_paw()
     is_there[22:39, 1:] = False  # no wrist either
@@ -353,17 +353,14 @@ def expectations(monkeypatch, stop, *, first=8):
     return list(zip(one.at[1, observed], one.variance[1, observed], strict=True))
 
 
-def test_a_paw_is_expected_on_its_arc_in_hidden_frames_and_more_so_where_nothing_follows(
-    monkeypatch,
-):
+def test_a_paw_is_expected_on_its_arc_in_hidden_frames(monkeypatch):
     between, last = (expectations(monkeypatch, stop) for stop in (20, 30))
     # in frames that are occluded, and of which the arc tells
     np.testing.assert_array_equal([at[0] for at, _ in between], [8, 9, 10, 11, *range(15, 20)])
     np.testing.assert_array_equal([at[0] for at, _ in last], [8, 9, 10, 11, *range(15, 30)])
     # frames err alike, so each says less than its standard deviation would
     (first, second), (third, _) = between[0][1], last[0][1]
-    assert first == second > 0.4**2
-    assert third < 0.8 * first
+    assert first == second == third > 0.4**2
     # told backwards in time, no paw is on the way to where its swing leads
     assert expectations(monkeypatch, 8, first=0) == []
 

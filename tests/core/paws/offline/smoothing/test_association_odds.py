@@ -29,7 +29,7 @@ def separate(
         (x[None, None], covariance[None, None]),
         Observations(at, at[:, None], np.ones(shape), is_there),
         negative_log_odds=negative_log_odds[:, None],
-        sigma=np.broadcast_to(sigma, negative_log_odds[:, None].shape).astype(float),
+        sigma=np.broadcast_to(sigma, shape).astype(float),
         geometry=geometry,
         paw_width_px=np.full(at.shape[1], 8.0),
     )[0, 0]
@@ -39,7 +39,7 @@ def test_the_odds_of_two_candidates_by_where_the_point_is_expected():
     x, covariance = np.array([50.0, 40.0]), np.array([[3.0, 1.0], [1.0, 2.0]])
     at = [[[51.0, 40.0], [44.0, 43.0], [90.0, 90.0]]]
     # a detection twice as vague as the other
-    sigma = np.array([[[[1.0, 2.0, 1.0]]]])
+    sigma = np.array([[[1.0, 2.0, 1.0]]])
     negative_log_odds = [[0.3, 0.9, 0.0]]
     density = [
         multivariate_normal.logpdf(one, x, covariance + s**2 * np.eye(2))

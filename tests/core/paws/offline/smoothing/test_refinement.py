@@ -42,7 +42,7 @@ def swing(seed=0):
 def measurement(**options):
     return MeasurementModel(
         **{"geometry": RIG, "paw_width_px": THICKNESS_PX, "paw_width": THICKNESS,
-           "jerk": 0.2, "tracked_in_view": np.ones((2, 3), bool), "unsure": np.zeros(2), **options},
+           "jerk": 0.2, "unsure": np.zeros(2), **options},
     )  # fmt: skip
 
 
@@ -383,11 +383,7 @@ def test_it_says_what_it_was_smoothed_from():
 
 
 def test_deviations_of_candidates():
-    tracked_in_view = np.array([[True, False, True]])
-    found = deviations(
-        np.array([[[1.0, 0.5], [1.0, 0.1], [0.3, 0.6]]]),
-        measurement(tracked_in_view=tracked_in_view),
-    )
-    # 0.12 of 8 px, over how good it is, 0.3 at least; half as much again from the other side
-    expected = 0.96 * np.array([[1.0, 2.0], [1.5, 5.0], [1 / 0.3, 1 / 0.6]])
-    np.testing.assert_allclose(found[0, 0], expected)
+    found = deviations(np.array([[[1.0, 0.5], [1.0, 0.1], [0.3, 0.6]]]), measurement())
+    # 0.12 of 8 px, over how good it is, 0.3 at least
+    expected = 0.96 * np.array([[1.0, 2.0], [1.0, 1 / 0.3], [1 / 0.3, 1 / 0.6]])
+    np.testing.assert_allclose(found[0], expected)

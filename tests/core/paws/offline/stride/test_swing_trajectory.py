@@ -135,7 +135,7 @@ def made(count, *, shape=SHAPE, seed=0, hidden=0.0, noise=0.15, height=2.0, sd=(
     err = err.reshape(3, count, 52) / np.sqrt(3.0)
     weight = np.where((s > 0.0) & (s < hidden), 0.0, 1.0)
     part = Part(
-        frames, way + err[0] / STEP, up + err[1], 0.2 * up + 2.0 * err[2], weight,
+        frames, way + err[0] / STEP, up + err[1], weight,
         np.full(count, STEP),
     )  # fmt: skip
     return part, Guess(times, np.tile(sd, (count, 1))), truth
@@ -143,7 +143,7 @@ def made(count, *, shape=SHAPE, seed=0, hidden=0.0, noise=0.15, height=2.0, sd=(
 
 def known(shape=SHAPE, height=2.0):
     """Return an arc that is known."""
-    return SwingTrajectory(np.asarray(shape), np.zeros((2, 2)), height, 0.2, 0.05)
+    return SwingTrajectory(np.asarray(shape), np.zeros((2, 2)), height)
 
 
 @pytest.mark.slow
@@ -158,8 +158,6 @@ def test_the_arc_is_learnt_from_swings_whose_beginning_is_hidden(shape, hidden):
     # a top that was never seen was perhaps higher
     within = (0.1 if hidden else 0.05) if shape[0] / sum(shape) > hidden else 0.2
     assert trajectory.height == pytest.approx(np.median(truth[:, 2]), rel=within)
-    assert trajectory.aside == pytest.approx(0.2, abs=3.0 * trajectory.aside_sd)
-    assert trajectory.aside_sd < 0.1
     # less is known of the beginning of what was seen less
     if hidden:
         seen = learn_trajectory(replace(part, weight=np.ones_like(part.weight)), guess)
@@ -236,12 +234,12 @@ def test_swings_of_which_nothing_is_seen_stay_as_guessed():
     values, covariance = fit_swings(trajectory, part, guess)
     np.testing.assert_allclose(values[:, :2], guess.times)
     np.testing.assert_allclose(np.diagonal(covariance, axis1=1, axis2=2)[:, :2], guess.sd**2)
-    assert (trajectory.aside, trajectory.height) == (0.0, 1.0)
+    assert trajectory.height == 1.0
 
 
 def test_no_swings_are_fitted_to_none():
     nothing = np.empty((0, 20))
-    part = Part(nothing, nothing, nothing, nothing, nothing, np.empty(0))
+    part = Part(nothing, nothing, nothing, nothing, np.empty(0))
     values, covariance = fit_swings(known(), part, Guess(np.empty((0, 2)), np.empty((0, 2))))
     assert values.shape == (0, 4)
     assert covariance.shape == (0, 4, 4)

@@ -51,7 +51,7 @@ def lateral_cost(away: FloatArray, body_scale: float) -> FloatArray:
     return np.asarray(
         0.5
         * np.minimum(
-            (away / (NETWORK_FLOW.aside_sd * body_scale)) ** 2, NETWORK_FLOW.contralateral_farthest
+            (away / (NETWORK_FLOW.aside_sd * body_scale)) ** 2, NETWORK_FLOW.usual_farthest
         )
     )
 

@@ -109,9 +109,7 @@ def _speed_variance(n: int, costs: FlowCosts) -> float:
     """Return the variance of a speed estimated from n frames."""
     if n == 1:
         return costs.speed**2
-    # a parabola tells its slope less well than a line does
-    more = NETWORK_FLOW.parabola_variance if n >= NETWORK_FLOW.parabola_from else 1.0
-    return min(12 * costs.noise**2 / (n * (n**2 - 1)) * more, costs.speed**2)
+    return min(12 * costs.noise**2 / (n * (n**2 - 1)), costs.speed**2)
 
 
 def links_between(

@@ -27,10 +27,10 @@ class NetworkFlowParameters:
         Standard deviation, in spans, of how far to the side of its click a paw is later. Measured:
         it wanders by 0.02 to 0.08 itself; and detections of two views of one side that lie half a
         paw width off are as much off in depth. Set by hand above that.
-    contralateral_farthest : float
-        Squared standard deviations beyond which it costs no more: that is the other paw. Half of it
-        is less than being occluded costs in a frame, as all that tells where a point usually is
-        must be. Set by hand.
+    usual_farthest : float
+        Squared standard deviations, along and to the side, beyond which it costs no more to be far
+        from where paws of a kind usually are: that is another paw. Half of it is less than being
+        occluded costs in a frame, as all that tells where a point usually is must be. Set by hand.
     same_side : float
         An unlabelled target that is within so many spans, to the side, of where the paw of its kind
         was clicked is that paw. Measured: clicks of two views of one side are 0.01 off in depth,
@@ -92,10 +92,6 @@ class NetworkFlowParameters:
         ends. Set by hand.
     tracklet_association_meeting : float
         Distance, in paw widths, at which points meet in a picture. Set by hand.
-    tracklet_association_beside : float
-        Distance, in paw widths, at which a tracklet that ends is beside another. Set by hand.
-    takeover_s : float
-        Time, s, before and after its end in which the other may take over its point. Set by hand.
     stood_s : float
         Time, s, for which a paw goes with the ground to be known to stand. Set by hand.
     tracklet_association_wanders : float
@@ -107,9 +103,6 @@ class NetworkFlowParameters:
     tracklets_dear, tracklets_enough : tuple[float, ...] or float
         The speed of the ground is estimated from good places; from worse ones where those make
         fewer steps than so many a frame, as where paws are dim. Set by hand.
-    tracklets_closer : tuple[float, ...]
-        It is the mean of the steps within smaller and smaller distances of where most are. Set by
-        hand.
     at_once : int
         Frames worked on together: enough to save loops, and little memory. Set by hand.
     vague : float
@@ -134,8 +127,6 @@ class NetworkFlowParameters:
     click_alone : float
         In a clicked frame places nearer than so many paw widths to a click are the clicked paw's.
         Set by hand.
-    unknown_speed : float
-        Standard deviation of an unknown speed, in the greatest speed. Set by hand.
     dearest_linked : float
         Places dearer than this are in no tracklet. Set by hand.
     dearest_single : float
@@ -147,8 +138,6 @@ class NetworkFlowParameters:
     kinds_reach, kinds_sd : float
         Distance, in spans, from where paws of its kind usually are that costs nothing, and standard
         deviation beyond it. Set by hand.
-    kinds_farthest : float
-        Squared standard deviations beyond which it costs no more. Set by hand.
     kinds_quantiles : tuple of float
         Quantiles of good places at which front and hind paws are, where no click tells. Set by
         hand.
@@ -169,11 +158,6 @@ class NetworkFlowParameters:
         Distance, in paw widths, by which two views may disagree. Set by hand.
     ground_frames : int
         Frames, evenly spread, from which the speed of the ground is estimated. Set by hand.
-    parabola_from : int
-        Places at an end from which on a parabola tells position and speed there, no line. Set by
-        hand.
-    parabola_variance : float
-        Variance of the speed by a parabola, in that by a line. Set by hand.
     """
 
     body_clutter_slow: float = 0.35
@@ -181,7 +165,7 @@ class NetworkFlowParameters:
     body_clutter_passed: float = 3.0
     body_clutter_share: float = 0.8
     aside_sd: float = 0.1
-    contralateral_farthest: float = 6.0
+    usual_farthest: float = 6.0
     same_side: float = 0.1
     far_side: float = 0.2
     lateral_prior_wanders: float = 0.1
@@ -205,14 +189,11 @@ class NetworkFlowParameters:
     tracklet_association_dearest: tuple[float, ...] = (0.9, 1.2)
     tracklet_association_worse: float = 0.2
     tracklet_association_meeting: float = 3.0
-    tracklet_association_beside: float = 4.0
-    takeover_s: float = 0.03
     stood_s: float = 0.015
     tracklet_association_wanders: float = 2.0
     tracklets_ends: int = 6
     tracklets_dear: tuple[float, ...] = (0.3, 0.6, 0.9, 1.2, 1.5)
     tracklets_enough: float = 0.3
-    tracklets_closer: tuple[float, ...] = (1.0, 0.5)
     at_once: int = 200
     vague: float = 0.15
     most_worth: float = 30.0
@@ -222,14 +203,12 @@ class NetworkFlowParameters:
     positional_prior_blur: float = 0.05
     positional_prior_rare: float = 1e-3
     click_alone: float = 1.2
-    unknown_speed: float = 0.4
     dearest_linked: float = 1.6
     dearest_single: float = 0.5
     ground_within: float = 0.3
     ground_fastest: float = 2.0
     kinds_reach: float = 0.33
     kinds_sd: float = 0.1
-    kinds_farthest: float = 6.0
     kinds_quantiles: tuple[float, ...] = (0.75, 0.25)
     gate: float = 16.0
     clear: float = 5.0
@@ -238,8 +217,6 @@ class NetworkFlowParameters:
     support_reach: float = 0.6
     tolerance: float = 0.8
     ground_frames: int = 400
-    parabola_from: int = 5
-    parabola_variance: float = 2.0
 
 
 NETWORK_FLOW = in_force("network_flow", NetworkFlowParameters())

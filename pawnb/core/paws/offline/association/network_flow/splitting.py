@@ -14,7 +14,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
-from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
+from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 
 
 def split_at_crossings(tracklets: Sequence[Tracklet], apart: float) -> list[Tracklet]:
@@ -62,42 +62,6 @@ def _cuts(one: Tracklet, other: Tracklet, apart: float) -> set[int]:
         nearest = start + int(away[start:end].argmin())
         cuts |= {first + start, first + nearest, first + end}
     return cuts
-
-
-def split_at_swaps(tracklets: Sequence[Tracklet], apart: float, frames: int) -> list[Tracklet]:
-    """Cut tracklets where another ends or begins beside them: one point may have taken over.
-
-    Where two paws come together only one of them has a place for a while, and the tracklet of
-    one may go on as the other. It then has a bend, and there it is cut.
-
-    Parameters
-    ----------
-    tracklets : sequence of Tracklet
-        Tracklets.
-    apart : float
-        Distance at which a tracklet that ends is beside another.
-    frames : int
-        Frames about the end in which the bend is looked for.
-
-    Returns
-    -------
-    list of Tracklet
-        The parts, in the order of their first frames.
-    """
-    cuts: list[set[int]] = [set() for _ in tracklets]
-    for i, t in near_ends(tracklets, apart):
-        tracklet = tracklets[i]
-        low = max(t - frames, tracklet.first + 1)
-        high = min(t + frames, tracklet.last - 1)
-        bend = np.linalg.norm(np.diff(tracklet.at[low - tracklet.first - 1 :], n=2, axis=0), axis=1)
-        if high >= low:
-            cuts[i].add(low + 1 + int(bend[: high - low + 1].argmax()))
-    parts = [
-        part
-        for tracklet, own in zip(tracklets, cuts, strict=True)
-        for part in _split(tracklet, own)
-    ]
-    return sorted(parts, key=lambda tracklet: tracklet.first)
 
 
 def split_sliding(
@@ -155,29 +119,6 @@ def _slides(still: FloatArray, axes: FloatArray, paw_width: float, frames: int) 
     slid = np.concatenate([[False], step > NETWORK_FLOW.splitting_slides * paw_width, [False]])
     edges = np.flatnonzero(np.diff(slid.astype(int))).reshape(-1, 2).tolist()
     return [(a + b - 1) // 2 + frames + NETWORK_FLOW.splitting_between for a, b in edges]
-
-
-def near_ends(tracklets: Sequence[Tracklet], apart: float) -> list[tuple[int, int]]:
-    """Return the tracklets beside which another begins or ends while they go on, and the frames."""
-    if not tracklets:
-        return []
-    frame, at, begins = joined(tracklets)
-    tracklet = np.repeat(
-        np.arange(len(tracklets)), [len(one.detection_indices) for one in tracklets]
-    )
-    first = frame[begins]
-    ends = np.append(begins[1:], len(frame)) - 1
-    last = frame[ends]
-    # the first place and the last of every tracklet, each with all places of its frame
-    own = np.concatenate([begins, ends])
-    order = np.argsort(frame, kind="stable")
-    low, high = (np.searchsorted(frame[order], frame[own], side) for side in ("left", "right"))
-    which = np.repeat(np.arange(len(own)), high - low)
-    there = order[np.arange(len(which)) - np.repeat(np.cumsum(high - low) - high, high - low)]
-    t, i = frame[own[which]], tracklet[there]
-    near = (first[i] < t) & (last[i] > t) & (i != tracklet[own[which]])
-    near &= np.linalg.norm(at[there] - at[own[which]], axis=1) <= apart
-    return list(zip(i[near].tolist(), t[near].tolist(), strict=True))
 
 
 def _split(tracklet: Tracklet, cuts: set[int]) -> list[Tracklet]:

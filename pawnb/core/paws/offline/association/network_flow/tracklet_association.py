@@ -26,7 +26,6 @@ from pawnb.core.paws.offline.association.network_flow.priors.positional_prior im
 )
 from pawnb.core.paws.offline.association.network_flow.splitting import (
     split_at_crossings,
-    split_at_swaps,
     split_sliding,
 )
 from pawnb.core.paws.offline.association.network_flow.tracklets import (
@@ -104,7 +103,7 @@ class TrackletAssociator:
         self.motion_model = _motion_model(places, scene, fps, settings)
         noise, speed = (
             settings.noise * scene.paw_width,
-            NETWORK_FLOW.unknown_speed * self.motion_model.speed,
+            MOVEMENT.unknown_speed * self.motion_model.speed,
         )
         substrate_velocity = self.motion_model.substrate_velocity
         linking = LinkingModel(
@@ -149,12 +148,6 @@ class TrackletAssociator:
             # in one picture points meet that do not meet in space
             tracklets = split_at_crossings(
                 tracklets, NETWORK_FLOW.tracklet_association_meeting * paw_width
-            )
-        else:
-            tracklets = split_at_swaps(
-                tracklets,
-                NETWORK_FLOW.tracklet_association_beside * paw_width,
-                max(3, round(NETWORK_FLOW.takeover_s * fps)),
             )
         tracklets = split_sliding(
             tracklets,

@@ -79,19 +79,18 @@ class Tracklet:
         n = len(part)
         if n == 1:
             return part[0], substrate_velocity, 1
-        place, speed = _end_weights(n, NETWORK_FLOW.parabola_from, head=head) @ part
+        place, speed = _end_weights(n, head=head) @ part
         return place, speed, n
 
 
 @functools.cache
-def _end_weights(n: int, parabola_from: int, *, head: bool) -> FloatArray:
+def _end_weights(n: int, *, head: bool) -> FloatArray:
     """Return what each of n places weighs in position and speed (2, n) at one end.
 
-    Those of the straight line of least squares, or of the parabola where there are enough.
+    Those of the straight line of least squares.
     """
     time = np.arange(n) - (0 if head else n - 1)
-    powers = time[:, None] ** np.arange(3 if n >= parabola_from else 2)
-    return np.asarray(np.linalg.pinv(powers)[:2])
+    return np.asarray(np.linalg.pinv(time[:, None] ** np.arange(2)))
 
 
 def estimate_substrate_velocity(
@@ -133,9 +132,7 @@ def estimate_substrate_velocity(
     tree = cKDTree(every)
     count = tree.query_ball_point(every, within, return_length=True)
     middle = every[int(np.argmax(count))]
-    for share in NETWORK_FLOW.tracklets_closer:
-        middle = every[tree.query_ball_point(middle, share * within)].mean(axis=0)
-    return np.asarray(middle / lag)
+    return np.asarray(every[tree.query_ball_point(middle, within)].mean(axis=0) / lag)
 
 
 def build_tracklets(places: Sequence[PointHypotheses], linking: LinkingModel) -> list[Tracklet]:

@@ -1,14 +1,10 @@
-"""Where tracklets are cut: where points meet, take each other over, or seem to slide."""
-
-from dataclasses import replace
+"""Where tracklets are cut: where points meet, or seem to slide."""
 
 import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.association.network_flow.splitting import (
-    near_ends,
     split_at_crossings,
-    split_at_swaps,
     split_sliding,
 )
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
@@ -43,42 +39,6 @@ def test_a_piece_is_cut_where_another_begins_beside_it():
 
 def tracklet(at):
     return Tracklet(0, list(range(len(at))), at, np.zeros(len(at)))
-
-
-def test_a_piece_is_cut_where_another_paw_took_it_over():
-    # one paw stands and moves back with the belt; another comes from behind, its own tracklet
-    # ends in frame 14, and from frame 18 on the first tracklet follows it a little to the side
-    t = np.arange(40.0)
-    stand = np.column_stack([-t, np.zeros(40)])
-    stand[18:, 1] = 2.0
-    comes = np.column_stack([-40.0 + 2.0 * t, np.full(40, 2.0)])
-    parts = split_at_swaps([tracklet(stand), tracklet(comes[:15])], 4.0, 6)
-    assert sorted((part.first, part.last) for part in parts) == [(0, 14), (0, 17), (18, 39)]
-
-
-def test_every_piece_beside_the_end_of_another_is_found():
-    rng = np.random.default_rng(5)
-    tracklets = []
-    for first, n in zip(rng.integers(0, 30, 40).tolist(), rng.integers(1, 15, 40), strict=True):
-        tracklets.append(replace(tracklet(rng.uniform(0, 3, (n, 2))), first=first))
-    expected = []
-    for other in tracklets:
-        for t, at in ((other.first, other.at[0]), (other.last, other.at[-1])):
-            for i, one in enumerate(tracklets):
-                inside = one.first < t < one.last and one is not other
-                if inside and np.linalg.norm(one.at[t - one.first] - at) <= 1.0:
-                    expected.append((i, t))
-    assert len(expected) > 20
-    assert sorted(near_ends(tracklets, 1.0)) == sorted(expected)
-    assert split_at_swaps([], 1.0, 3) == []
-
-
-def test_a_piece_alone_is_not_cut():
-    t = np.arange(40.0)
-    stand = np.column_stack([-t, np.zeros(40)])
-    far = np.column_stack([-t, np.full(40, 30.0)])
-    parts = split_at_swaps([tracklet(stand), tracklet(far[:15])], 4.0, 6)
-    assert len(parts) == 2
 
 
 DRIFT = np.array([-1.2, 0.05, 0.1])

@@ -200,7 +200,7 @@ def first_positional_cost(
         if len(expected):
             away = np.abs(along - expected[frame]) / scene.body_scale - NETWORK_FLOW.kinds_reach
             far = np.maximum(away, 0.0) / NETWORK_FLOW.kinds_sd
-            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, NETWORK_FLOW.kinds_farthest), first)
+            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, NETWORK_FLOW.usual_farthest), first)
         if p in clicked:
             aside = lateral_cost((at - clicked[p]) @ across, wanders * scene.body_scale)
             cost[p] += np.add.reduceat(aside, first)
