@@ -98,8 +98,8 @@ def build_stepping_pattern_table(
         bars = build_gait_diagram_table(
             own, dropped=None if dropped is None else _of(dropped, pair)
         )
-        first = float(own["time_s"].min())
-        first += max(0.0, (float(np.ptp(own["time_s"])) - span_s) / 2.0)
+        reach = (float(own["time_s"].min()), float(own["time_s"].max()))
+        first = choose_window(_of(strides, pair), reach, span_s)
         bars = _window(bars, first, first + span_s)
         parts.append(
             bars.assign(
@@ -108,6 +108,36 @@ def build_stepping_pattern_table(
             )
         )  # fmt: skip
     return pd.concat(parts, ignore_index=True)[list(COLUMNS)]
+
+
+def choose_window(strides: pd.DataFrame, reach: tuple[float, float], span_s: float) -> float:
+    """Choose which stretch of a trial to show.
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Strides of the trial, of all legs.
+    reach : tuple of float
+        First and last second that can be shown.
+    span_s : float
+        Duration of the stretch.
+
+    Returns
+    -------
+    float
+        Its begin, s: the middle, unless another one shows more than twice as many whole strides,
+        as where the animal stands or is not seen in the middle.
+    """
+    low, high = reach
+    middle = max(low, (low + high - span_s) / 2.0)
+    if "start_s" not in strides:
+        return middle
+    start = strides["start_s"].to_numpy(dtype=float)
+    end = start + strides["period_s"].to_numpy(dtype=float)
+    begins = np.append(middle, start[start + span_s <= high])
+    inside = (start >= begins[:, None]) & (end <= begins[:, None] + span_s)
+    n = inside.sum(axis=1)
+    return float(begins[n.argmax()]) if n.max() > 2 * n[0] else middle
 
 
 def _choose(means: pd.DataFrame, most: int) -> list[tuple[Any, ...]]:

@@ -16,6 +16,7 @@ from pawnb.figures.gait_diagram import build_gait_diagram_table, plot_gait_diagr
 from pawnb.figures.panels import add_note, speed_unit, with_unit
 from pawnb.figures.phase_rose import build_phase_rose_table, plot_phase_rose
 from pawnb.figures.regression import build_regression_table, plot_regression
+from pawnb.figures.stepping_pattern import choose_window
 from pawnb.figures.style import get_style, size_mm, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
@@ -167,8 +168,9 @@ def _draw_diagram(part: Any, events: pd.DataFrame, strides: pd.DataFrame) -> Axe
     plot_gait_diagram(build_gait_diagram_table(own), ax=ax)
     period = float(strides.loc[strides["trial"] == trial, "period_s"].median())
     low, high = ax.get_xlim()
-    start = max(low, (low + high - _SHOWN_STRIDES * period) / 2.0)
-    ax.set_xlim(start, min(high, start + _SHOWN_STRIDES * period))
+    span_s = _SHOWN_STRIDES * period
+    start = choose_window(strides[strides["trial"] == trial], (low, high), span_s)
+    ax.set_xlim(start, min(high, start + span_s))
     _title(part, f"a  Gait diagram, trial {trial}")
     return ax
 

@@ -21,7 +21,7 @@ from pawnb.widgets.stick_poser import StickPoser
 from pawnb.widgets.surroundings import Surroundings
 from pawnb.widgets.track_reviewer import TrackReviewer
 from pawnb.widgets.trial_form import TrialForm
-from pawnb.widgets.workbench_parts import ROW, Tool, cell, show_results
+from pawnb.widgets.workbench_parts import ROW, Tool, TracksForm, cell, show_results
 from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.workbench.states import DONE, WORK_STEPS, Step, TrialState
@@ -174,9 +174,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _show_head(self, n: int) -> None:
         """Show what can be done to the folder as a whole."""
         session = self.session
-        name = session.folder.resolve().name
-        said = f"{name}: {n} trial{'' if n == 1 else 's'}" if n else f"{name}: no trial yet"
-        head: list[Any] = [self._cell(said, strong=True)]
+        said = f"{n} trial{'' if n == 1 else 's'}" if n else "no trial yet"
+        head: list[Any] = [self._cell(f"{session.folder.resolve().name}: {said}", strong=True)]
         videos = session.videos()
         if videos:
             self._videos = widgets.SelectMultiple(
@@ -184,10 +183,11 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
                 value=[str(video) for video in videos[:8]],
                 rows=min(4, len(videos)), layout={"width": "18em"},
             )  # fmt: skip
-            make = self._button(
-                "New trial of these videos", lambda: self.make_trial(self._videos.value)
-            )
-            head += [self._videos, make]
+            text, act = "New trial of these videos", lambda: self.make_trial(self._videos.value)
+            head += [self._videos, self._button(text, act)]
+        if not n and (tracks := session.track_files()):
+            form = partial(TracksForm, tracks, session, begin=self._begin, show=self._open)
+            head.append(self._button("Gait of the tracks here", lambda: self._open(form)))
         if sum(state.next_step == "track" for state in session.states) > 1:
             head.append(self._button("Track all that are started", self._track_all))
         head.append(self._button("Look again", self.look_again, icon="refresh"))
@@ -316,8 +316,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _findings(self, state: TrialState) -> Any:
         """Return what is to be mended or looks wrong, a line each."""
         found = self.session.wrong(state) or ["nothing looks wrong"]
-        lines = [self._cell(text, wrap=True) for text in found]
-        return Tool(widgets.VBox(lines), [])
+        return Tool(widgets.VBox([self._cell(text, wrap=True) for text in found]), [])
 
     def _made(self, path: Path) -> None:
         """Go on to the start of a trial that was just made."""

@@ -1,12 +1,14 @@
-"""Parts of the workbench: a tool with the buttons that lead on, and results to look through."""
+"""Parts of the workbench: a tool with the buttons that lead on, results, tracks made elsewhere."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import ipywidgets as widgets
+
+from pawnb.widgets.workbench_session import WorkbenchSession
 
 ROW = {"flex_flow": "row wrap", "align_items": "center"}
 """A line of parts that goes on below where it is too long."""
@@ -89,3 +91,58 @@ def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:
     choice.observe(show, names="value")
     show()
     return widgets.VBox([*said, choice, picture])
+
+
+class TracksForm(widgets.VBox):  # type: ignore[misc]
+    """Gait of tracks that other programs made: they need no trial, only their frame rate.
+
+    Parameters
+    ----------
+    files : sequence of Path
+        The files there are.
+    session : WorkbenchSession
+        What analyses them.
+    begin : callable
+        ``begin(doing, work)`` does the work off this thread, and then what that gives.
+    show : callable
+        ``show(make)`` opens another tool instead.
+    """
+
+    def __init__(
+        self,
+        files: Sequence[Path],
+        session: WorkbenchSession,
+        *,
+        begin: Callable[[str, Callable[[], Callable[[], None]]], None],
+        show: Callable[[Callable[[], Any]], None],
+    ) -> None:
+        self.files = widgets.SelectMultiple(
+            options=[(path.name, str(path)) for path in files], rows=min(6, len(files)),
+            value=[str(path) for path in files], layout={"width": "24em"},
+        )  # fmt: skip
+        self.fps = widgets.Text(placeholder="frames a second", description="filmed at")
+        self._session, self._begin, self._show = session, begin, show
+        go = widgets.Button(description="Analyse the gait", button_style="primary")
+        go.on_click(lambda _: self.analyse())
+        said = "Each file counts as an animal of its own, unless it names its animals."
+        self.told = cell(said, None, wrap=True)
+        super().__init__([widgets.HBox([self.files, self.fps, go], layout=ROW), self.told])
+
+    def analyse(self) -> None:
+        """Analyse what is chosen, and show the results."""
+        try:
+            fps = float(self.fps.value)
+        except ValueError:
+            self.told.value = (
+                f"a second has {self.fps.value!r} frames; expected a number, such as 200."
+            )
+            return
+        files = [Path(name) for name in self.files.value]
+        self._begin("gait", lambda: self._analysed(files, fps))
+
+    def _analysed(self, files: Sequence[Path], fps: float) -> Callable[[], None]:
+        """Analyse files; gives what to do then."""
+        run = self._session.gait_of_tracks(files, fps)
+        figures = sorted((run.out / "figures").rglob("*.png"))
+        said = [line.removeprefix("note: ") for line in run.text().splitlines()]
+        return lambda: self._show(lambda: Tool(show_results(figures, said), []))

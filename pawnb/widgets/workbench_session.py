@@ -11,12 +11,14 @@ import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait import GaitTables, analyse
+from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import (
+    RESULTS_FOLDER,
     note_failure,
     read_result_tracks,
     results_folder,
@@ -34,6 +36,8 @@ from pawnb.workflow.workbench.states import (
 from pawnb.workflow.workbench.used_frames import write_frames
 
 Progress = Callable[..., None]
+_TRACK_ENDINGS = (".csv", ".tsv", ".h5", ".slp", ".nc", ".nwb", ".c3d")
+"""Of files that other programs keep tracks in."""
 
 
 class WorkbenchSession:
@@ -99,6 +103,21 @@ class WorkbenchSession:
         }
         return [video for video in find_videos(self.folder) if video.resolve() not in taken]
 
+    def track_files(self) -> list[Path]:
+        """Return the files of the folder itself that hold tracks of other programs."""
+        found = []
+        for path in sorted(self.folder.iterdir()):
+            if path.suffix not in _TRACK_ENDINGS or path.name == "start.csv":
+                continue
+            with suppress(PawnbError, OSError):
+                recognise_format(path)
+                found.append(path)
+        return found
+
+    def gait_of_tracks(self, files: Sequence[Path], fps: float) -> GaitRun:
+        """Analyse the gait in files of tracks; results go into the folder."""
+        return run_gait(list(files), fps=fps, figures="main", out=self.folder / RESULTS_FOLDER)
+
     def track(self, state: TrialState, progress: Progress | None = None) -> str:
         """Track a trial; returns the verdict in words.
 
@@ -149,11 +168,12 @@ class WorkbenchSession:
         """
         self.stop.clear()
         said = []
-        for state in [s for s in self.refresh() if s.next_step == "track"]:
+        waiting = [s for s in self.refresh() if s.next_step == "track"]
+        for k, state in enumerate(waiting, start=1):
             if self.stop.is_set():
                 break
             try:
-                said.append(self.track(state, progress))
+                said.append(self.track(state, _of_list(progress, f"{k} of {len(waiting)}", state)))
             except (PawnbError, OSError) as error:
                 said.append(f"{state.name}: {error}")
         return said
@@ -245,6 +265,17 @@ class WorkbenchSession:
     def wrong(self, state: TrialState) -> list[str]:
         """Say what is to be mended or looks wrong."""
         return what_is_wrong(state)
+
+
+def _of_list(progress: Progress | None, place: str, state: TrialState) -> Progress | None:
+    """Return a progress that says which trial of the list it is of."""
+    if progress is None:
+        return None
+
+    def told(done: int, total: int, doing: str = "tracking") -> None:
+        progress(done, total, f"{state.name} ({place}), {doing or 'tracking'}")
+
+    return told
 
 
 def _is_clicked(trial: Trial) -> bool:

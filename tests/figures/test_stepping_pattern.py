@@ -10,6 +10,7 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.figures import build_stepping_pattern_table, plot_stepping_pattern
+from pawnb.figures.stepping_pattern import choose_window
 
 mpl.use("Agg")
 
@@ -99,3 +100,20 @@ def test_bad_input_is_refused():
     table = build_stepping_pattern_table(events, strides)
     with pytest.raises(InputError, match=r"3 trials for one axes"):
         plot_stepping_pattern(table, ax=plt.subplot())
+
+
+def test_a_stretch_is_shown_in_which_the_animal_steps():
+    """Two runs of 1 s with a pause of 8 s between, in the middle of which nothing is to be seen."""
+    events, strides = tables(speeds=(100.0,))
+    strides["start_s"] = [0.2 * k + late for late in (0.0, 0.1) for k in range(10)]
+    events.loc[events["time_s"] >= 1.0, "time_s"] += 8.0
+    strides.loc[strides["start_s"] >= 1.0, "start_s"] += 8.0
+    table = build_stepping_pattern_table(events, strides)
+    assert table["span_s"].iloc[0] == pytest.approx(0.8)
+    stances = table[table["phase"] == "stance"]
+    for leg in ("L1", "R1"):
+        own = stances[stances["leg"] == leg]
+        assert np.isclose(own["end_s"] - own["start_s"], 0.12).sum() >= 3
+    # where it steps all the time the middle is shown, as it always was
+    reach = (0.0, 2.0)
+    assert choose_window(strides.assign(start_s=np.tile(np.arange(10) * 0.2, 2)), reach, 0.8) == 0.6

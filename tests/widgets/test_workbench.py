@@ -1,7 +1,9 @@
 """The workbench without a browser: from bare videos to tracks and gait, and what is refused."""
 
+import csv
 import shutil
 
+import ipywidgets as widgets
 import numpy as np
 import pytest
 import small_trial as scene
@@ -14,6 +16,8 @@ from pawnb.widgets.crop_canvas import CropCanvas, drag_corner
 from pawnb.widgets.workbench_session import WorkbenchSession
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.workbench.new_trial import new_trial
+
+FL_TO_FR = ("FL", "FR")
 
 
 @pytest.fixture(scope="module")
@@ -251,6 +255,43 @@ def test_what_failed_in_tracking_is_in_the_list_until_it_is_tracked(described, o
     write_track_results(scene.true_tracks(), described / "results")
     again.look_again()
     assert len(again._list.children) == 1
+
+
+@pytest.mark.parametrize("name", ["dlc_single.csv", "sleap.analysis.h5"])
+def test_tracks_of_other_programs_lead_to_their_gait(real_data, tmp_path, opened, name):
+    """Phases of the file's formula: FL is 3 rad before FR in a cycle."""
+    shutil.copy(real_data("peer-files") / name, tmp_path)
+    (tmp_path / "other.csv").write_text("a,b\n1,2\n")
+    bench = opened(tmp_path)
+    bench._head.children[1].click()
+    form = bench.tool
+    assert [label for label, _ in form.files.options] == [name]
+    form.analyse()
+    assert "expected a number, such as 200" in form.told.value
+    form.fps.value = "100"
+    form.analyse()
+    bench.work.wait(120)
+    shown = [line.value for line in bench.tool.tool.children if isinstance(line, widgets.Label)]
+    assert "strides of" in shown[0]
+    assert any("told from the swing of its feet" in line for line in shown)
+    with (tmp_path / "results" / "phases.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if (row["leg"], row["reference"]) == FL_TO_FR]
+    assert rows
+    for row in rows:
+        assert float(row["phase"]) == pytest.approx(1 - 3 / (2 * np.pi), abs=0.01)
+
+
+def test_a_list_that_is_tracked_says_which_trial_it_is_at(described, monkeypatch):
+    told = []
+    session = WorkbenchSession(described)
+
+    def track(trial, *, progress, **options):
+        progress(3, 40, "decoding")
+        return scene.true_tracks()
+
+    monkeypatch.setattr("pawnb.widgets.workbench_session.track", track)
+    session.track_all(lambda *words: told.append(words))
+    assert told == [(3, 40, "small (1 of 1), decoding")]
 
 
 def test_a_review_in_which_all_was_right_counts(described):
