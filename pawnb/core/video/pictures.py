@@ -5,11 +5,14 @@ from __future__ import annotations
 import contextlib
 import glob
 import re
+import struct
+import warnings
 from collections import defaultdict
 from pathlib import Path
 
 import cv2
 import numpy as np
+from PIL import Image
 
 from pawnb.core.pixels.colour import GreyPicture, PackedPicture, Picture
 from pawnb.errors import VideoError
@@ -27,6 +30,10 @@ def natural_key(name: str) -> tuple[tuple[str, int, str], ...]:
     """Return a sort key under which frame2 comes before frame10."""
     parts = re.findall(r"(\D*)(\d*)", name)
     return tuple((text.casefold(), int(number or -1), text) for text, number in parts)
+
+
+_ORIENTATION = 0x0112
+"""Tag of EXIF: 1 is as it lies, 2 to 8 turned or mirrored."""
 
 
 class PictureFolder:
@@ -67,6 +74,7 @@ class PictureFolder:
         self.notes: list[str] = []
         self._files = self._list(Path(path))
         self.n_frames = len(self._files)
+        self.notes += _turn_notes(self._files[0])
         first = self._load(0)
         self.width, self.height = first.width, first.height
         self.is_colour = first.is_colour
@@ -176,6 +184,28 @@ class PictureFolder:
         if pixels.ndim == 2:
             return GreyPicture(pixels)
         return PackedPicture(pixels, (2, 1, 0))
+
+
+def _turn_notes(file: Path) -> list[str]:
+    """Say that a picture is used as it lies in the file where it asks to be shown in another way.
+
+    Cameras are calibrated in the pixels of their sensor, so a still is never turned; films are, as
+    players show them.
+    """
+    if file.suffix.lower() not in (".jpg", ".jpeg"):
+        return []  # of cameras and phones
+    odd = (OSError, ValueError, SyntaxError, KeyError, struct.error, Image.DecompressionBombError)
+    with contextlib.suppress(*odd), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of what else is odd in a picture it is told elsewhere
+        with Image.open(file) as picture:
+            asked = picture.getexif().get(_ORIENTATION, 1)
+        if asked in range(2, 9):
+            return [
+                f"{file} asks to be shown turned or mirrored (EXIF orientation {asked}): "
+                "pictures are used as they lie in the file, films as players show them. Where the "
+                "one calibrates the other, save the pictures upright first."
+            ]
+    return []
 
 
 def _is_whole(data: bytes) -> bool:

@@ -245,6 +245,7 @@ def find_boards(
     readers = {name: _open(name, path) for name, path in pictures.items()}
     try:
         n, notes = _n_instants(readers)
+        notes += [note for reader in readers.values() for note in reader.source.notes]
         shots = np.unique(np.linspace(0, n - 1, min(n, max(most_shots, 1))).astype(int))
         finder = CornerFinder(board)
         uv = np.full((len(readers), len(shots), finder.n_corners, 2), np.nan)

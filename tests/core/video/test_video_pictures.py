@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 from video_clips import barcode, picture
 
 from pawnb.core.video import open_view
@@ -173,3 +174,17 @@ def test_real_pictures_of_a_fly(real_data):
         assert reader.n_frames > 100
         assert reader.read(7).shape[:2] == (reader.height, reader.width)
         assert "background.png" in reader.source.notes[0]
+
+
+@pytest.mark.parametrize("orientation", [1, 3, 6])
+def test_a_picture_that_is_to_be_shown_turned_is_used_as_it_lies_and_said(tmp_path, orientation):
+    """Tag 0x0112 of EXIF, as phones write it: 3 is upside down, 6 a quarter turn."""
+    image = Image.fromarray(picture(3))
+    exif = image.getexif()
+    exif[0x0112] = orientation
+    image.save(tmp_path / "board1.jpg", exif=exif)
+    source = PictureFolder(tmp_path)
+    assert (source.width, source.height) == image.size
+    assert barcode(source.grab(0).region(0, 0, *image.size)) == 3
+    said = [note for note in source.notes if f"EXIF orientation {orientation}" in note]
+    assert len(said) == (orientation != 1)
