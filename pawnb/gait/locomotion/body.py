@@ -41,6 +41,13 @@ _SHARED_SLOWER = 2.5
 """What feet share is travel, no steps, where they move against each other this many times as often:
 more than twice, for the feet of two pairs may part twice in a stride."""
 
+_STEPS_APART = 0.7
+"""Speed of feet against each other, as a share of the speed that they share, from which it is
+steps: 1 to 4 where feet step in turn; in a bound, or hopping, they part by less than half."""
+
+_STEPS_SAMPLED = 10.0
+"""Samples in a step, at least: what labels jitter is fastest in neighbouring samples."""
+
 _BODY_METHODS = {
     "laboratory": "laboratory",
     "points": "other points",
@@ -224,17 +231,27 @@ def _guess_frequency(feet: FootPaths, body: BodyPoints | None, fs: float) -> flo
     """Guess how often the feet step, in the body's frame where there is one.
 
     An animal that goes, stops and turns on the ground does so more slowly than it steps, and its
-    feet share all of that: what they do against each other tells the steps from it.
+    feet share all of that: what they do against each other tells the steps from it. Of feet that
+    step together only labels' jitter is left.
     """
     if body is None:
         whole = stride_frequency(feet.positions, fs_hz=fs)
         if len(feet.legs) < 2:
             return whole
-        apart = feet.positions - mean_path(feet.positions)[:, :, None]
+        path = mean_path(feet.positions)
+        apart = feet.positions - path[:, :, None]
         own = stride_frequency(apart, fs_hz=fs)
-        return own if own > _SHARED_SLOWER * whole else whole
+        in_turn = _speed(apart) > _STEPS_APART * _speed(path[:, :, None])
+        steps = _SHARED_SLOWER * whole < own < fs / _STEPS_SAMPLED
+        return own if in_turn and steps else whole
     frame = body_frame_from_points(body.points, cutoff_hz=None, fs_hz=fs)
     return dominant_frequency(frame.fore_aft(feet.positions), fs_hz=fs)
+
+
+def _speed(positions: FloatArray) -> float:
+    """Return the root mean square of velocities (n, d, k) about their means, per sample."""
+    step = np.diff(positions, axis=0)
+    return float(np.sqrt(np.nanmean((step - np.nanmean(step, axis=0)) ** 2)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -169,3 +169,25 @@ def test_a_belt_whose_speed_cannot_be_told_leaves_lengths_open():
     strides = gait.analyse(ankles(), settings=settings).strides
     assert len(strides) >= 12
     assert strides[["speed", "stride_length", "step_length"]].isna().all(axis=None)
+
+
+@pytest.mark.parametrize("smooth", [1, 9])
+@pytest.mark.parametrize("belt_speed", [0.0, 200.0])
+def test_feet_that_step_together_keep_their_frequency(smooth, belt_speed):
+    """Hopping at 2.5 strides a second: feet part by what labels jitter, slowly or not."""
+    t, f, fps = np.arange(0, 6.0, 0.01), 2.5, 100.0
+    cycle = (t * f) % 1
+    rng = np.random.default_rng(3)
+    tracks = make_tracks(range(len(t)), ["HL", "HR"], fps=fps, space=("x", "y"))
+    for k in range(2):
+        x = np.where(cycle < 0.5, 20 - 80 * cycle, 80 * cycle - 60) + (200 - belt_speed) * t
+        path = np.column_stack((x, np.full(len(t), 15.0 - 30.0 * k)))
+        jitter = rng.standard_normal((len(t) + smooth - 1, 2))
+        kernel = np.full(smooth, smooth**-0.5)
+        path += np.stack([np.convolve(j, kernel, "valid") for j in jitter.T], axis=1)
+        tracks["position"].data[:, :, k, 0] = path
+    tracks["confidence"].data[:] = 1.0
+    tracks["origin"].data[:] = ORIGIN_CODE["measured"]
+    strides = gait.analyse(tracks).strides
+    assert len(strides) >= 20
+    assert strides["frequency_hz"].median() == pytest.approx(f, rel=0.05)
