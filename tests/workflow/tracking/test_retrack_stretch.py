@@ -134,7 +134,8 @@ def test_a_correction_of_three_pixels_changes_rows_near_it_only(long, tmp_path, 
     """3 px here are 15 px at full scale: a third of a hind paw.
 
     Where the paw is hidden soon after, as in a swing that begins then, it is on its old track
-    again when it is seen again; ten rows on it end the stretch, and a few before them may be pulled.
+    again when it is seen again; ten rows on it end the stretch, and a few before them may be
+    pulled.
     """
     truth = pd.read_csv(long.trial.folder / "truth" / "tracks.csv").query("point == @point")
     own = truth[
