@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -90,6 +91,53 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
         raise InputError(f"n is {n}; expected at least one frame to suggest.")
     trial = trial if isinstance(trial, Trial) else load_trial(trial)
     trial.must_be("paws", or_else="; frames to click are suggested for kind 'paws'.")
+    state = _state(trial, tracks)
+    names = [str(name) for name in tracks["keypoint"].to_numpy()]
+    rows = [
+        (int(tracks["frame"][t]), ", ".join(names[p] for p in points), round(gain, 1))
+        for t, points, gain in _choose(state, n)
+    ]
+    return pd.DataFrame(rows, columns=list(SUGGESTION_COLUMNS))
+
+
+def gain_by_frame(trial: Trial, tracks: Tracks) -> pd.Series:
+    """Return the gain of a click in each frame, by frame: the first suggestion has the largest."""
+    state = _state(trial, tracks)
+    _, gain = state.gains()
+    return pd.Series(gain, index=tracks["frame"].to_numpy())
+
+
+@dataclass
+class _State:
+    """What is known of labels before the next frame is chosen.
+
+    Parameters
+    ----------
+    wrong : ndarray, shape (n, P)
+        Expected number of wrong labels that a click could mend.
+    stretch : ndarray of int, shape (n, P)
+        Number of the stretch in which a point is unsure; -1 where it is not.
+    free : ndarray of bool, shape (n,)
+        Which frames may be taken.
+    holds : float
+        Frames over which a click holds.
+    """
+
+    wrong: np.ndarray
+    stretch: np.ndarray
+    free: np.ndarray
+    holds: float
+
+    def gains(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return what a click of each point mends (n, P), 0 if too little, and the sum by frame."""
+        mended = _mended(self.wrong, self.stretch, self.holds)
+        least = np.maximum(_LEAST_COUNT_SHARE * mended.max(axis=1, keepdims=True), _LEAST_LABELS)
+        named = np.where(mended >= least, mended, 0.0)
+        return named, named.sum(axis=1)
+
+
+def _state(trial: Trial, tracks: Tracks) -> _State:
+    """Return what tracks say of themselves, clicks since then included."""
     clicks = clicks_of_tracks(tracks)
     chance = label_chances(tracks, clicks=clicks)
     known, since = _clicked_frames(trial, tracks, clicks)
@@ -102,12 +150,9 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
     free = np.ones(len(frames), dtype=bool)
     for frame in sorted(set().union(*known, *since)):
         free &= np.abs(frames - frame) > APART_FRAMES
-    names = [str(name) for name in tracks["keypoint"].to_numpy()]
-    rows = [
-        (int(frames[t]), ", ".join(names[p] for p in points), round(gain, 1))
-        for t, points, gain in _choose(wrong, _unsure(chance), free, holds, n)
-    ]
-    return pd.DataFrame(rows, columns=list(SUGGESTION_COLUMNS))
+    unsure = _unsure(chance)
+    stretch = np.where(unsure, np.cumsum(np.diff(unsure, axis=0, prepend=False), axis=0), -1)
+    return _State(wrong, stretch, free, holds)
 
 
 def _clicked_frames(
@@ -142,40 +187,24 @@ def _unsure(chance: np.ndarray) -> np.ndarray:
     )[AGAIN_FRAMES:-AGAIN_FRAMES])  # fmt: skip
 
 
-def _choose(
-    wrong: np.ndarray, unsure: np.ndarray, free: np.ndarray, holds: float, n: int
-) -> Iterator[tuple[int, list[int], float]]:
-    """Yield row, points and gain of each frame to click, the best first.
+def _choose(state: _State, n: int) -> Iterator[tuple[int, list[int], float]]:
+    """Yield row, points and gain of each of ``n`` frames to click, the best first.
 
-    Parameters
-    ----------
-    wrong : ndarray, shape (n, P)
-        Expected number of wrong labels that a click could mend; changed.
-    unsure : ndarray of bool, shape (n, P)
-        Where a stretch of a point is.
-    free : ndarray of bool, shape (n,)
-        Which frames may be taken; changed.
-    holds : float
-        Frames over which a click holds.
-    n : int
-        How many frames at most.
+    The state is changed.
     """
-    rows = np.arange(len(wrong))
-    stretch = np.where(unsure, np.cumsum(np.diff(unsure, axis=0, prepend=False), axis=0), -1)
+    rows = np.arange(len(state.wrong))
     for _ in range(n):
-        mended = _mended(wrong, stretch, holds)
-        named = mended >= np.maximum(_LEAST_COUNT_SHARE * mended.max(axis=1, keepdims=True),
-                                     _LEAST_LABELS)  # fmt: skip
-        gain = np.where(free, np.where(named, mended, 0.0).sum(axis=1), 0.0)
+        mended, gain = state.gains()
+        gain = np.where(state.free, gain, 0.0)
         if not len(gain) or gain.max() == 0.0:
             return
         t = int(gain.argmax())
-        points = [int(p) for p in np.argsort(-mended[t], kind="stable") if named[t, p]]
+        points = [int(p) for p in np.argsort(-mended[t], kind="stable") if mended[t, p] > 0.0]
         yield t, points, float(gain[t])
         for p in points:
-            own = stretch[:, p] == stretch[t, p]
-            wrong[own, p] *= -np.expm1(-np.abs(rows[own] - t) / holds)
-        free &= np.abs(rows - t) > APART_FRAMES
+            own = state.stretch[:, p] == state.stretch[t, p]
+            state.wrong[own, p] *= -np.expm1(-np.abs(rows[own] - t) / state.holds)
+        state.free &= np.abs(rows - t) > APART_FRAMES
 
 
 def _mended(wrong: np.ndarray, stretch: np.ndarray, holds: float) -> np.ndarray:

@@ -15,6 +15,7 @@ from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, add_provenance, make_tracks
 from pawnb.trial import Animal, Trial, View, load_trial
 from pawnb.workflow.provenance.results import write_track_results
+from pawnb.workflow.reviewing.suggest import gain_by_frame
 
 N = 200
 POINTS = ("FR", "HR", "FL")
@@ -120,6 +121,16 @@ def test_any_chances_give_what_the_formula_gives(trial):
         assert found["gain"] == pytest.approx(gain.max(), abs=0.051)
         order = np.argsort(-gains[gain.argmax()])
         assert found["points"] == ", ".join(POINTS[p] for p in order if named[gain.argmax(), p])
+
+
+def test_the_gain_of_every_frame_is_that_of_the_suggestion(trial):
+    """At the middle and at the end of a stretch of five labels, of 0.8 wrong each."""
+    tracks = tracks_with(sure_but(HR=[(100, 105, 0.2)]), first=1000)
+    gain = gain_by_frame(trial, tracks)
+    assert gain.index.tolist() == list(range(1000, 1000 + N))
+    assert gain[1102] == gain.max() == pytest.approx(0.8 * unit(np.arange(-2, 3)).sum())
+    assert gain[1104] == pytest.approx(0.8 * unit(np.arange(-4, 1)).sum())
+    assert gain[1099] == gain[1105] == 0.0  # outside its stretch a click mends nothing
 
 
 def test_a_point_is_sure_again_after_three_frames(trial):
