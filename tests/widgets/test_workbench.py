@@ -294,6 +294,59 @@ def test_a_list_that_is_tracked_says_which_trial_it_is_at(described, monkeypatch
     assert told == [(3, 40, "small (1 of 1), decoding")]
 
 
+def test_the_list_of_a_batch_changes_as_each_trial_is_done(described, monkeypatch, opened):
+    shutil.copytree(described, described.parent / "m2")
+    bench = opened(described.parent)
+    ticks = []
+
+    def track(trial, *, out, **options):
+        ticks.append([bench._list.children[0].children[row * 8 + 4].value for row in (1, 2)])
+        write_track_results(scene.true_tracks(), out)
+        return scene.true_tracks()
+
+    monkeypatch.setattr("pawnb.widgets.workbench_session.track", track)
+    bench._track_all()
+    bench.work.wait(60)
+    assert ticks == [["–", "–"], ["✓", "–"]]  # column "tracked"
+
+
+def test_a_review_with_corrections_that_are_not_saved_is_not_done(described, opened):
+    write_track_results(scene.true_tracks(), described / "results")
+    (described / "results" / "edits.jsonl").write_text(
+        '{"edit": "hide", "frame": 1, "view": "cam1", "point": "FR"}\n'
+    )
+    bench = opened(described.parent)
+    assert "1 correction is not in the tracks" in bench._list.children[1].value
+    (state,) = bench.session.states
+    bench.session.has_looked(state)
+    assert bench.session.next_step(state) == "review"
+
+
+def test_tracks_of_other_programs_are_offered_beside_trials(real_data, described, opened):
+    """Those that the trial names, and its clicks, are its own."""
+    for name in ("dlc_single.csv", "sleap.csv"):
+        shutil.copy(real_data("peer-files") / name, described)
+    bench = opened(described)
+    assert [path.name for path in bench.session.track_files()] == ["dlc_single.csv", "sleap.csv"]
+    (described / "results").mkdir()
+    (described / "results" / "events.csv").write_text("those of the trial")
+    buttons = {child.description: child for child in bench._head.children if child.description}
+    buttons["Gait of the tracks here"].click()
+    bench.tool.files.value = [str(described / "dlc_single.csv")]
+    bench.tool.fps.value = "100"
+    bench.tool.analyse()
+    bench.work.wait(120)
+    assert "strides of" in bench.tool.tool.children[0].value
+    assert (described / "results" / "events.csv").read_text() == "those of the trial"
+    assert (described / "results_of_tracks" / "events.csv").exists()
+    (described / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "d"\nfps = 100\n[animal]\nid = "d"\nspecies = "mouse"\n'
+        '[tracks]\nfile = "dlc_single.csv"\n'
+    )
+    bench.look_again()
+    assert [path.name for path in bench.session.track_files()] == ["sleap.csv"]
+
+
 def test_a_review_in_which_all_was_right_counts(described):
     session = WorkbenchSession(described)
     results = described / "results"

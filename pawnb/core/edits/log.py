@@ -41,7 +41,7 @@ from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
     "EDIT_LINES", "Accept", "Delete", "Edit", "EditLog", "Hide", "Interpolate", "Move", "Pose",
-    "Retrack", "Swap", "apply_edit", "count_unsaved", "describe_edit", "replay",
+    "Retrack", "Swap", "apply_edit", "count_unsaved", "describe_edit", "replay", "say_unsaved",
 ]  # fmt: skip
 
 
@@ -357,6 +357,12 @@ def count_unsaved(tracks: Tracks, path: str | Path) -> int:
     """
     n_contained, past, _, _ = _settle(read_journal(path, EDIT_LINES)[0], tracks)
     return sum(not isinstance(edit, Accept) for edit in past[n_contained:])
+
+
+def say_unsaved(n: int) -> str:
+    """Say that so many corrections are not in the tracks, and what to do."""
+    said = "correction is" if n == 1 else "corrections are"
+    return f"{n} {said} not in the tracks; open the review and press Save tracks."
 
 
 def _settle(

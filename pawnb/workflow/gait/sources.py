@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.edits.log import count_unsaved
+from pawnb.core.edits.log import count_unsaved, say_unsaved
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import check_file
 from pawnb.gait import GaitTables
@@ -226,11 +226,7 @@ def _tell_unsaved(tracks: Tracks, path: Path) -> None:
         warnings.warn(f"{file}: {str(error).rstrip('.')}.", InputWarning, stacklevel=3)
         return
     if n:
-        text = (
-            f"{file}: {n} {'correction is' if n == 1 else 'corrections are'} not in the tracks; "
-            "open the review and press Save tracks."
-        )
-        warnings.warn(text, InputWarning, stacklevel=3)
+        warnings.warn(f"{file}: {say_unsaved(n)}", InputWarning, stacklevel=3)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:
