@@ -14,6 +14,8 @@ from pawnb.gait import GaitTables
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.cycles import POSITION
 from pawnb.gait.events.event_settings import EventSettings
+from pawnb.io.format_table import find_entry
+from pawnb.io.formats import recognise_format
 from pawnb.schema import build_settings, each_of, shown
 from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.event_sources import choose_event_legs
@@ -227,6 +229,41 @@ def who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> 
         f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
         "one id for each input."
     ]
+
+
+def units_taken(sources: Sequence[GaitSource]) -> list[str]:
+    """Say of which files lengths are taken to be in mm, though nothing says so.
+
+    Parameters
+    ----------
+    sources : sequence of GaitSource
+        The inputs.
+
+    Returns
+    -------
+    list of str
+        One note, or none.
+    """
+    files = [source.path.name for source in sources if _lacks_unit(source)]
+    if not files:
+        return []
+    return [
+        f"lengths of {', '.join(files)} are taken to be in mm, as such a file does not say its "
+        "unit. Where they are in another: name the file in a trial.toml of kind 'tracks', with "
+        'its unit below [calibration] (unit = "m").'
+    ]
+
+
+def _lacks_unit(source: GaitSource) -> bool:
+    """Whether points in space come from a file without a unit, and no trial says one."""
+    tracks, trial = source.tracks, source.trial
+    if tracks is None or tracks.sizes["space"] != 3:
+        return False
+    if trial is not None and trial.calibration is not None:
+        return False
+    entry = find_entry(recognise_format(source.path))
+    # C3D, the one of these that says its frame rate, says its unit as well
+    return "unit" in entry.reads_with and not entry.says_fps
 
 
 def tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:

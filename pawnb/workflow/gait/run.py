@@ -28,6 +28,7 @@ from pawnb.workflow.gait.inputs import (
     check_alike,
     read_sources,
     tracks_of,
+    units_taken,
     who_is_who,
 )
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
@@ -267,7 +268,8 @@ def _findings(
     except InputError as error:
         remarks.append(f"gait is not compared with size: {error}")
         fields = {}
-    remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
+    told = [*who_is_who(sources, request.animals), *units_taken(sources)]
+    remarks = [*told, *tables.notes, *remarks]
     tables = dataclasses.replace(tables, notes=tuple(remarks))
     every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further
     return _Findings(tables, every, groups, fields, seen, angles, joints)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.edits.log import count_unsaved, say_unsaved
+from pawnb.core.edits.log import say_unsaved
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import check_file
 from pawnb.gait import GaitTables
@@ -221,12 +221,12 @@ def _tell_unsaved(tracks: Tracks, path: Path) -> None:
     if not file.exists():
         return
     try:
-        n = count_unsaved(tracks, file)
+        said = say_unsaved(tracks, file)
     except PawnbError as error:
         warnings.warn(f"{file}: {str(error).rstrip('.')}.", InputWarning, stacklevel=3)
         return
-    if n:
-        warnings.warn(f"{file}: {say_unsaved(n)}", InputWarning, stacklevel=3)
+    if said:
+        warnings.warn(f"{file}: {said}", InputWarning, stacklevel=3)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:

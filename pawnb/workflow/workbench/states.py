@@ -9,7 +9,7 @@ from typing import Literal
 
 import pandas as pd
 
-from pawnb.core.edits.log import EDIT_LINES, count_unsaved, say_unsaved
+from pawnb.core.edits.log import EDIT_LINES, say_unsaved
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.journal import read_journal
 from pawnb.io.native import read_tracks
@@ -226,10 +226,9 @@ def _unsaved(results: Path) -> str:
     if not (file.exists() and tracks.exists()):
         return ""
     try:
-        n = count_unsaved(read_tracks(tracks), file)
+        return say_unsaved(read_tracks(tracks), file)
     except PawnbError:
         return ""  # opening the review says what is wrong with either
-    return say_unsaved(n) if n else ""
 
 
 def _has_edits(path: Path) -> bool:
