@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -125,14 +126,28 @@ class WorkbenchSession:
                 found.append(path)
         return found
 
-    def gait_of_tracks(self, files: Sequence[Path], fps: float) -> GaitRun:
+    def gait_of_tracks(self, files: Sequence[Path], fps: float, **asked: Any) -> GaitRun:
         """Analyse the gait in files of tracks; results go into the folder.
 
         Those of a trial that lies in the folder itself are left alone.
+
+        Parameters
+        ----------
+        files : sequence of Path
+            The files.
+        fps : float
+            Frames a second.
+        **asked
+            animals, groups and legs, as for :func:`pawnb.run_gait`.
+
+        Returns
+        -------
+        GaitRun
+            What was written.
         """
         is_trial = (self.folder / "trial.toml").exists()
         out = self.folder / (_RESULTS_OF_TRACKS if is_trial else RESULTS_FOLDER)
-        return run_gait(list(files), fps=fps, figures="main", out=out)
+        return run_gait(list(files), fps=fps, figures="main", out=out, **asked)
 
     def track(self, state: TrialState, progress: Progress | None = None) -> str:
         """Track a trial; returns the verdict in words.

@@ -17,7 +17,6 @@ _RANK_WORDS = {
     "h": "H", "hind": "H", "rear": "H", "back": "H", "posterior": "H", "meta": "H",
     "hd": "H", "bk": "H", "prothoracic": "F", "mesothoracic": "M", "metathoracic": "H",
 }  # fmt: skip
-_RANK_LETTERS = {"f": "F", "m": "M", "h": "H"}
 _LIMBS = ("paw", "leg", "limb", "foot", "feet", "hand", "hoof")
 _DISTAL = (
     ("tip", "claw", "toe", "toes", "tao", "finger", "nail"),
@@ -25,7 +24,7 @@ _DISTAL = (
     ("mtp", "metatarsus", "ankle", "wrist"),
 )
 """Words for parts of a leg, the outermost first; other parts are no feet when one of these is."""
-_COUNTED = frozenset({"leg", "limb", "claw", "tip", "tarsus", "ta"})
+_COUNTED_PARTS = frozenset({"leg", "limb", "claw", "tip", "tarsus", "ta"})
 """Words beside which a number counts legs from the front; beside a paw or toe it counts others."""
 _NO_LEGS = frozenset({"ear", "eye", "tail", "wing", "antenna", "whisker", "palp"})
 _REAR_PAIRS = (
@@ -208,10 +207,11 @@ def choose_legs(
     else:
         named = guess_legs(points)
     if not named:
+        like = next(iter(overlooked_points(points, {})), points[-1])
         raise InputError(
             f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
-            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {points[-1]!r}}} or "
-            f"on the command line --legs HR={points[-1]!r}."
+            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {like!r}}} or "
+            f"on the command line --legs HR={like!r}."
         )
     feet = list(named.values())
     twice = next((foot for i, foot in enumerate(feet) if foot in feet[:i]), None)
@@ -266,7 +266,7 @@ def _read(
             own_side = ""
         side, rank, limb = side or own_side, rank or own_rank, limb or is_limb
     numbers = [word for word in words if word.isdigit()]
-    if not rank and len(numbers) == 1 and set(words) & _COUNTED:
+    if not rank and len(numbers) == 1 and set(words) & _COUNTED_PARTS:
         rank, limb = numbers[0], True
     depth = next(
         (i for i, group in enumerate(_DISTAL) if any(word in group for word in words)), None
@@ -286,7 +286,7 @@ def _read_word(word: str, rears: Mapping[str, tuple[str, str]]) -> tuple[str, st
         return _SIDE_WORDS.get(glued["side"], ""), _RANK_WORDS[glued["rank"]], True
     if pair:
         side = next(_SIDE_WORDS[letter] for letter in word[:2] if letter in "lr")
-        return side, next(_RANK_LETTERS[letter] for letter in word[:2] if letter in "fmh"), True
+        return side, next(_RANK_WORDS[letter] for letter in word[:2] if letter in "fmh"), True
     return "", _RANK_WORDS.get(word, ""), word.rstrip("s") in _LIMBS
 
 

@@ -2,7 +2,9 @@
 
 import pytest
 
-from pawnb.gait.analysis.leg_names import guess_legs, overlooked_points
+from pawnb.errors import InputError
+from pawnb.gait.analysis.leg_names import choose_legs, guess_legs, overlooked_points
+from pawnb.schema import make_tracks
 
 
 @pytest.mark.parametrize(
@@ -70,3 +72,9 @@ def test_feet_are_found_by_their_names(points, legs):
 )
 def test_points_that_may_be_feet_and_are_left_out_are_found(points, left_out):
     assert overlooked_points(points, guess_legs(points)) == left_out
+
+
+def test_the_message_takes_a_point_of_a_limb_for_its_example():
+    tracks = make_tracks([0, 1], ["snout", "Hind paw tao", "Tail tip"], fps=100.0, unit="px")
+    with pytest.raises(InputError, match="--legs HR='Hind paw tao'"):
+        choose_legs(tracks)
