@@ -99,7 +99,7 @@ def test_files_of_one_animal_and_legs_by_other_names_are_told(real_data, tmp_pat
     form.legs.value = "FR="
     form.analyse()
     assert "expected LEG=POINT" in form.told.value
-    form.legs.value, form.animals.value = "FR=paw 1, HL=paw 2", "m1, m1"
+    form.legs.value, form.animals.value = "FR=paw 1, HL=paw 2, HR, FL", "m1, m1"
     form.analyse()
     bench.work.wait(60)
     assert "3" in bench._told.value
