@@ -14,8 +14,6 @@ from pawnb.gait import GaitTables
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.cycles import POSITION
 from pawnb.gait.events.event_settings import EventSettings
-from pawnb.io.format_table import find_entry
-from pawnb.io.formats import recognise_format
 from pawnb.schema import build_settings, each_of, shown
 from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.event_sources import choose_event_legs
@@ -57,7 +55,7 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
             )
         study = read_study(studies[0])
         check_settings(study.settings, where=f"{study.path}: [gait]")
-        return [_of_study(trial, study, fps) for trial in study.trials], study
+        return _each_once([_of_study(trial, study, fps) for trial in study.trials]), study
     for name, given in (("animals", animals), ("groups", groups)):
         if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
             raise InputError(
@@ -72,7 +70,24 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
             dataclasses.replace(source, group=group)
             for source, group in zip(sources, groups, strict=True)
         ]
-    return sources, None
+    return _each_once(sources), None
+
+
+def _each_once(sources: list[GaitSource]) -> list[GaitSource]:
+    """Return sources; refuse two files of the same trial of an animal."""
+    seen: dict[tuple[str, str], GaitSource] = {}
+    for source in sources:
+        for animal in source.animals:
+            first = seen.setdefault((animal, source.trial_name), source)
+            if first is not source and first.given == source.given:
+                raise InputError(f"{source.given} is named twice; name it once.")
+            if first is not source:
+                raise InputError(
+                    f"{first.given} and {source.given} are both trial {source.trial_name!r} of "
+                    f"animal {animal!r}. Of one recording (as .csv and .h5, or filtered as well) "
+                    "name one file only; of two, call them by different names."
+                )
+    return sources
 
 
 def _of_input(path: Any, fps: float | None) -> GaitSource:
@@ -200,70 +215,6 @@ def _kind_of(leg: str) -> str:
     if leg in _MOUSE:
         return "mouse"
     return "spider" if re.fullmatch(r"[LR]\d+", leg) else "own"
-
-
-def who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
-    """Say where files that name no animal were counted as animals of their own.
-
-    Parameters
-    ----------
-    sources : sequence of GaitSource
-        The inputs.
-    animals : sequence of str or None
-        Ids that were given.
-
-    Returns
-    -------
-    list of str
-        One note, or none.
-    """
-    guessed = [
-        source.trial.animal.id if source.trial is not None else source.path.stem
-        for source in sources
-        if source.guessed
-    ]
-    if animals is not None or len(sources) < 2 or not guessed:
-        return []
-    return [
-        f"these files do not name their animal, so each counts as one of its own: "
-        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
-        "one id for each input."
-    ]
-
-
-def units_taken(sources: Sequence[GaitSource]) -> list[str]:
-    """Say of which files lengths are taken to be in mm, though nothing says so.
-
-    Parameters
-    ----------
-    sources : sequence of GaitSource
-        The inputs.
-
-    Returns
-    -------
-    list of str
-        One note, or none.
-    """
-    files = [source.path.name for source in sources if _lacks_unit(source)]
-    if not files:
-        return []
-    return [
-        f"lengths of {', '.join(files)} are taken to be in mm, as such a file does not say its "
-        "unit. Where they are in another: name the file in a trial.toml of kind 'tracks', with "
-        'its unit below [calibration] (unit = "m").'
-    ]
-
-
-def _lacks_unit(source: GaitSource) -> bool:
-    """Whether points in space come from a file without a unit, and no trial says one."""
-    tracks, trial = source.tracks, source.trial
-    if tracks is None or tracks.sizes["space"] != 3:
-        return False
-    if trial is not None and trial.calibration is not None:
-        return False
-    entry = find_entry(recognise_format(source.path))
-    # C3D, the one of these that says its frame rate, says its unit as well
-    return "unit" in entry.reads_with and not entry.says_fps
 
 
 def tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:

@@ -28,10 +28,9 @@ from pawnb.workflow.gait.inputs import (
     check_alike,
     read_sources,
     tracks_of,
-    units_taken,
-    who_is_who,
 )
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
+from pawnb.workflow.gait.source_notes import notes_on_sources
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.statistics import (
@@ -268,8 +267,7 @@ def _findings(
     except InputError as error:
         remarks.append(f"gait is not compared with size: {error}")
         fields = {}
-    told = [*who_is_who(sources, request.animals), *units_taken(sources)]
-    remarks = [*told, *tables.notes, *remarks]
+    remarks = [*notes_on_sources(sources, request.animals), *tables.notes, *remarks]
     tables = dataclasses.replace(tables, notes=tuple(remarks))
     every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further
     return _Findings(tables, every, groups, fields, seen, angles, joints)

@@ -200,20 +200,6 @@ def test_an_untracked_trial_says_so(rendered_trial):
         run_gait([rendered_trial])
 
 
-def test_a_unit_that_a_file_does_not_say_is_said_to_be_taken_and_can_be_told(real_data, tmp_path):
-    file = real_data("peer-files") / "anipose_3d.csv"
-    taken = "lengths of anipose_3d.csv are taken to be in mm"
-    run = run_gait([file], fps=100.0, out=tmp_path / "a", figures="none")
-    assert [note for note in run.tables.notes if taken in str(note)]
-    (tmp_path / "trial.toml").write_text(
-        '[trial]\nname = "t"\nkind = "tracks"\nfps = 100\n[animal]\nid = "t"\nspecies = "mouse"\n'
-        f'[tracks]\nfile = "{file}"\n[calibration]\nunit = "m"\n'
-    )
-    told = run_gait([tmp_path], out=tmp_path / "b", figures="none")
-    assert not [note for note in told.tables.notes if "are taken to be" in str(note)]
-    assert any(" m/s" in str(note) for note in told.tables.notes)
-
-
 @pytest.mark.slow
 def test_real_rats_trot(real_data, tmp_path):
     """The 2019 authors' tracks of a rat at 0.16 m/s: a few hertz, duty factor above a half,
@@ -374,5 +360,5 @@ def test_what_is_no_list_of_inputs_animals_or_legs_is_one_sentence(results, argu
 
 def test_one_trial_given_twice_is_refused(results):
     """Its strides would count twice."""
-    with pytest.raises(InputError, match=r"animal 'm1', trial 't1' is there twice"):
+    with pytest.raises(InputError, match=r"tracks.nc is named twice"):
         run_gait([results, results], figures="none")

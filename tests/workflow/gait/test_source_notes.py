@@ -1,0 +1,68 @@
+"""Which files are said to be of one recording, of one animal, or to lack their unit."""
+
+from __future__ import annotations
+
+import shutil
+
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.synthetic import write_deeplabcut_sample
+from pawnb.workflow.gait.run import run_gait
+
+
+@pytest.fixture
+def sample(tmp_path):
+    write_deeplabcut_sample(tmp_path / "s", animals=2)
+    return tmp_path / "s"
+
+
+def notes(files, out, **options):
+    run = run_gait(files, out=out, figures="none", **options)
+    return run, [str(note) for note in run.tables.notes]
+
+
+def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_hold(sample):
+    one, two = sample / "m01DLC.csv", sample / "m02DLC.csv"
+    smooth = sample / "m01DLC_resnet50_May1shuffle1_1000_filtered.csv"
+    shutil.copy(one, smooth)
+    with pytest.raises(InputError, match=r"m01DLC.csv and .*_filtered.csv are both trial 'm01' of"):
+        run_gait([one, two, smooth], fps=200.0, out=sample / "out", figures="none")
+    # as another program would call it, and with decimals cut off
+    lines = one.read_text().splitlines()
+    rounded = [",".join(cell[:6] for cell in line.split(",")) for line in lines[3:]]
+    (sample / "again.csv").write_text("\n".join([*lines[:3], *rounded]) + "\n")
+    _, said = notes([one, two, sample / "again.csv"], sample / "out", fps=200.0)
+    same = [note for note in said if "hold the same tracks" in note]
+    assert len(same) == 1
+    assert same[0].startswith("m01DLC.csv (m01) and again.csv (again) hold the same tracks")
+
+
+def test_animals_of_several_files_with_several_are_named_apart(real_data, tmp_path):
+    files = [tmp_path / f"{name}DLC.csv" for name in ("v1", "v2")]
+    for file in files:
+        shutil.copy(real_data("peer-files") / "dlc_multi.csv", file)
+    run, said = notes(files, tmp_path / "a", fps=100.0)
+    who = run.tables.events[["animal", "trial"]].drop_duplicates().to_numpy().tolist()
+    assert who == [[m, v] for v in ("v1", "v2") for m in ("mouse1", "mouse2")]
+    assert any(note.startswith("mouse1, mouse2: in several files, and counted") for note in said)
+    run, said = notes(files, tmp_path / "b", fps=100.0, animals=["a+b", "c+d"])
+    assert run.tables.events["animal"].unique().tolist() == ["a", "b", "c", "d"]
+    assert not any("in several files" in note for note in said)
+    for wrong in ("a", "a+a", "a+"):
+        with pytest.raises(InputError, match=r"have 2 animals, mouse1, mouse2; name each once"):
+            run_gait(files, fps=100.0, out=tmp_path / "c", animals=[wrong, "c+d"])
+
+
+def test_a_unit_that_a_file_does_not_say_is_said_to_be_taken_and_can_be_told(real_data, tmp_path):
+    file = real_data("peer-files") / "anipose_3d.csv"
+    taken = "lengths of anipose_3d.csv are taken to be in mm"
+    run = run_gait([file], fps=100.0, out=tmp_path / "a", figures="none")
+    assert [note for note in run.tables.notes if taken in str(note)]
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nname = "t"\nkind = "tracks"\nfps = 100\n[animal]\nid = "t"\nspecies = "mouse"\n'
+        f'[tracks]\nfile = "{file}"\n[calibration]\nunit = "m"\n'
+    )
+    told = run_gait([tmp_path], out=tmp_path / "b", figures="none")
+    assert not [note for note in told.tables.notes if "are taken to be" in str(note)]
+    assert any(" m/s" in str(note) for note in told.tables.notes)
