@@ -120,7 +120,8 @@ class TracksForm(widgets.VBox):  # type: ignore[misc]
     ) -> None:
         self.files = widgets.SelectMultiple(
             options=[(path.name, str(path)) for path in files], rows=min(6, len(files)),
-            value=[str(path) for path in files], layout={"width": "24em"},
+            value=[str(path) for path in session.one_a_recording(files)],
+            layout={"width": "24em"},
         )  # fmt: skip
         self.fps = widgets.Text(placeholder="frames a second", description="filmed at")
         self.animals = widgets.Text(placeholder="m1, m1, m2: of each file", description="animals")

@@ -17,6 +17,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
+from pawnb.workflow.gait.sources import recording_name
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
@@ -125,6 +126,12 @@ class WorkbenchSession:
                 recognise_format(path)
                 found.append(path)
         return found
+
+    @staticmethod
+    def one_a_recording(files: Sequence[Path]) -> list[Path]:
+        """Return the first file of each recording: programs write several of one."""
+        first = {recording_name(path, recognise_format(path)): path for path in reversed(files)}
+        return [path for path in files if path in first.values()]
 
     def gait_of_tracks(self, files: Sequence[Path], fps: float, **asked: Any) -> GaitRun:
         """Analyse the gait in files of tracks; results go into the folder.

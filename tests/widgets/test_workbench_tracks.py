@@ -112,3 +112,18 @@ def test_files_of_one_animal_and_legs_by_other_names_are_told(real_data, tmp_pat
         rows = list(csv.DictReader(file))
     assert {(row["animal"], row["group"]) for row in rows} == {("m1", "old"), ("m2", "young")}
     assert {row["leg"] for row in rows} == {"FR", "HL"}
+
+
+def test_one_file_of_each_recording_is_chosen(real_data, tmp_path, opened):
+    peers = real_data("peer-files")
+    for source, name in (
+        ("dlc_single.csv", "m1DLC_x.csv"), ("dlc_single.h5", "m1DLC_x.h5"),
+        ("dlc_single.csv", "m1DLC_x_filtered.csv"), ("sleap.slp", "m2.slp"),
+        ("sleap.analysis.h5", "m2.analysis.h5"), ("anipose_3d.csv", "m3.csv"),
+    ):  # fmt: skip
+        shutil.copy(peers / source, tmp_path / name)
+    form = open_form(opened(tmp_path))
+    assert len(form.files.options) == 6
+    assert [name.rpartition("/")[2] for name in form.files.value] == [
+        "m1DLC_x.csv", "m2.analysis.h5", "m3.csv",
+    ]  # fmt: skip

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from pawnb import gait
@@ -19,7 +20,13 @@ from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.event_sources import choose_event_legs
 from pawnb.workflow.gait.request import GaitRequest, Legs
 from pawnb.workflow.gait.sources import GaitSource, read_source
-from pawnb.workflow.gait.study import Study, StudyTrial, is_study, read_study
+from pawnb.workflow.gait.study import (
+    Study,
+    StudyTrial,
+    is_study,
+    read_study,
+    tell_if_meant_as_study,
+)
 
 _MOUSE = {"FR", "HR", "FL", "HL"}
 
@@ -92,7 +99,11 @@ def _each_once(sources: list[GaitSource]) -> list[GaitSource]:
 
 def _of_input(path: Any, fps: float | None) -> GaitSource:
     """Read one input, and check the settings that it has of its own."""
-    own = read_source(path, fps=fps)
+    try:
+        own = read_source(path, fps=fps)
+    except InputError:
+        tell_if_meant_as_study(Path(path))
+        raise
     check_settings(own.settings, where=f"{own.given}: [gait]")
     return own
 

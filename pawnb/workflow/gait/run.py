@@ -92,14 +92,19 @@ class GaitRun:
             "says why)"
         ]
         if len(strides):
-            middle = strides[["frequency_hz", "duty_factor"]].median()
-            lines.append(
-                f"median stride frequency {middle['frequency_hz']:.2f} Hz, duty factor "
-                f"{middle['duty_factor']:.2f}"
-            )
+            # each animal counts once, however many strides it took
+            own = strides.groupby("animal")[["frequency_hz", "duty_factor"]].median()
+            frequency, duty = (_say_middle(own[name]) for name in own)
+            lines.append(f"median stride frequency {frequency} Hz, duty factor {duty}")
         lines += [f"note: {note}" for note in (*say_no_strides(self.tables), *self.tables.notes)]
         lines.append(f"wrote {len(self.files)} files to {self.out}")
         return "\n".join(lines)
+
+
+def _say_middle(values: pd.Series[float]) -> str:
+    """Return the median of animals, and between which they lie."""
+    spread = f" (animals: {values.min():.2f} to {values.max():.2f})" if len(values) > 1 else ""
+    return f"{values.median():.2f}{spread}"
 
 
 def run_gait(

@@ -258,12 +258,7 @@ def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial, boo
     The file's name is the trial's (that of its folder, where it is only ``tracks`` or
     ``points3d``), and the animal's too where the file gives it none.
     """
-    # DeepLabCut puts the name of its network behind that of the video
-    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
-    if program == "sleap":  # which puts what the file is behind it
-        name = re.sub(r"(?<=.)\.(analysis|predictions)$", "", name)
-    if name in ("tracks", "points3d"):
-        name = path.resolve().parent.name
+    name = recording_name(path, program)
     own = str(tracks["individual"].to_numpy()[0])
     alone = tracks.sizes["individual"] == 1  # else the file names its animals
     guessed = alone and re.fullmatch(r"animal|(individual|id|track)_?\d+", own) is not None
@@ -276,3 +271,12 @@ def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial, boo
         tracks_file=path.name,
     )
     return trial, guessed
+
+
+def recording_name(path: Path, program: str) -> str:
+    """Return what the recording is called whose tracks a program wrote into a file."""
+    # DeepLabCut puts the name of its network behind that of the video
+    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
+    if program == "sleap":  # which puts what the file is behind it
+        name = re.sub(r"(?<=.)\.(analysis|predictions)$", "", name)
+    return path.resolve().parent.name if name in ("tracks", "points3d") else name

@@ -38,6 +38,20 @@ def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_ho
     assert same[0].startswith("m01DLC.csv (m01) and again.csv (again) hold the same tracks")
 
 
+def test_the_first_lines_count_animals_and_not_strides(sample):
+    """m02 is given half of its frame rate, and repeats: most strides are at half the frequency."""
+    rows = ["file,animal,fps", "m01DLC.csv,m01,200", "m02DLC.csv,m02,100"]
+    rows += [f"m02-{k}DLC.csv,m02,100" for k in range(2)]
+    for k in range(2):
+        shutil.copy(sample / "m02DLC.csv", sample / f"m02-{k}DLC.csv")
+    (sample / "study.csv").write_text("\n".join(rows) + "\n")
+    run = run_gait(sample / "study.csv", out=sample / "out", figures="none")
+    own = run.tables.strides.groupby("animal")["frequency_hz"].median()
+    assert own["m01"] == pytest.approx(2 * own["m02"], rel=0.05)
+    middle = f"{own.mean():.2f} (animals: {own['m02']:.2f} to {own['m01']:.2f}) Hz"
+    assert f"median stride frequency {middle}" in run.text()
+
+
 def test_animals_of_several_files_with_several_are_named_apart(real_data, tmp_path):
     files = [tmp_path / f"{name}DLC.csv" for name in ("v1", "v2")]
     for file in files:
