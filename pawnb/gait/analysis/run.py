@@ -13,6 +13,7 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
+from pawnb.gait.analysis.feet_apart import say_on_one_place
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body, overlooked_points
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
 from pawnb.gait.cycles.leg_signals import LegSignals
@@ -327,7 +328,7 @@ def _analyse_one(
         events += found.events
         gaps += found.gaps
         dropped += found.dropped
-        notes += found.notes
+        notes += [*found.notes, *say_on_one_place(space, fs_hz=grid.fs_hz)]
         signals += found.signals
         motion |= dict.fromkeys(space.legs, found.motion)
     table = pd.DataFrame([{**who, **e} for e in events], columns=list(EVENT_TABLE_COLUMNS))
