@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
+import pandas as pd
 
 from pawnb.arrays import FloatArray
 from pawnb.io.format_table import find_entry
@@ -13,6 +14,8 @@ from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
 from pawnb.workflow.gait.sources import GaitSource
 
+_MOST = 0.5
+"""Share of the trials that have a leg, from which on the others lack it."""
 _COMPARED_FRAMES = 200
 _SAME_SHARE = 0.1
 """Tracks of two files are of one recording where they differ by less than this share of how far
@@ -36,6 +39,66 @@ def notes_on_sources(sources: Sequence[GaitSource], animals: Sequence[str] | Non
     """
     whose = [] if animals is not None else [*_who_is_who(sources), *_same_names(sources)]
     return [*whose, *_same_recordings(sources), *_units_taken(sources)]
+
+
+def notes_on_trials(
+    sources: Sequence[GaitSource], events: pd.DataFrame, groups: Mapping[tuple[str, str], str]
+) -> list[str]:
+    """Say what makes trials that are pooled or compared unlike each other.
+
+    Parameters
+    ----------
+    sources : sequence of GaitSource
+        The inputs.
+    events : pandas.DataFrame
+        Events of all trials.
+    groups : mapping
+        Group of each animal and trial, where there are any.
+
+    Returns
+    -------
+    list of str
+        The notes.
+    """
+    return [*_missing_legs(events), *_rates_of_groups(sources, groups)]
+
+
+def _missing_legs(events: pd.DataFrame) -> list[str]:
+    """Say which trials lack a leg that most others have."""
+    trials = [events["animal"].astype(str), events["trial"].astype(str)]
+    has = pd.crosstab(trials, events["leg"].astype(str)) > 0
+    notes = []
+    for leg in has.columns[~has.all() & (has.mean() > _MOST)]:
+        without = ", ".join(dict.fromkeys(trial for _, trial in has.index[~has[leg]]))
+        animals = has[leg].groupby(level=0).any()
+        notes.append(
+            f"{leg} has no event in {without}: what is said of it counts {int(animals.sum())} of "
+            f"{len(animals)} animals."
+        )
+    return notes
+
+
+def _rates_of_groups(
+    sources: Sequence[GaitSource], groups: Mapping[tuple[str, str], str]
+) -> list[str]:
+    """Say where groups that are compared were filmed at different frame rates."""
+    rates: dict[str, set[float]] = {}
+    for source in sources:
+        for animal in source.animals:
+            group = groups.get((animal, source.trial_name))
+            if group is not None and source.tracks is not None:
+                rates.setdefault(group, set()).add(float(source.tracks.attrs["fps"]))
+    if len({frozenset(own) for own in rates.values()}) < 2:
+        return []
+    said = ", ".join(
+        f"{group} at {' and '.join(f'{fps:g}' for fps in sorted(own))}"
+        for group, own in rates.items()
+    )
+    return [
+        f"groups were filmed at different rates ({said} frames a second): instants are as exact as "
+        "the frames are close, and filters may differ, so that a part of the difference may be "
+        "that of the cameras; cutoff_hz gives all the same filter."
+    ]
 
 
 def _who_is_who(sources: Sequence[GaitSource]) -> list[str]:

@@ -80,3 +80,23 @@ def test_a_unit_that_a_file_does_not_say_is_said_to_be_taken_and_can_be_told(rea
     told = run_gait([tmp_path], out=tmp_path / "b", figures="none")
     assert not [note for note in told.tables.notes if "are taken to be" in str(note)]
     assert any(" m/s" in str(note) for note in told.tables.notes)
+
+
+def test_what_makes_trials_unlike_is_said_and_what_all_share_once(tmp_path):
+    files = write_deeplabcut_sample(tmp_path / "s", animals=5, seconds=1.5)
+    lines = files[1].read_text().splitlines()
+    last = {k for k, name in enumerate(lines[1].split(",")) if name == "hindpaw_L"}
+    kept = [[c for k, c in enumerate(line.split(",")) if k not in last] for line in lines]
+    files[1].write_text("\n".join(",".join(cells) for cells in kept) + "\n")
+    rows = ["file,animal,group,fps"]
+    for k, file in enumerate(files):
+        rows.append(f"{file.name},m{k},{'ab'[k > 2]},{200 - 50 * (k > 2)}")
+    (tmp_path / "s" / "study.csv").write_text("\n".join(rows) + "\n")
+    run, said = notes(tmp_path / "s" / "study.csv", tmp_path / "out")
+    assert "HL has no event in m02: what is said of it counts 4 of 5 animals." in said
+    assert any("(a at 200, b at 150 frames a second)" in note for note in said)
+    # in the first lines what is said of every trial stands once; in notes.csv of each
+    low = "positions with a confidence below 0.6 count as missing."
+    assert run.text().count(low) == 1
+    assert f"m01: {low} The like is said of 4 more trials (notes.csv)." in run.text()
+    assert (tmp_path / "out" / "notes.csv").read_text().count(low) == 5
