@@ -15,6 +15,7 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.gait.analysis.feet_apart import say_on_one_place
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body, overlooked_points
+from pawnb.gait.analysis.notes import Note
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
 from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.events.contacts import unscored_gaps
@@ -140,7 +141,11 @@ def analyse(
         )  # fmt: skip
     tables = pool(parts)
     told = legs is not None or (trial is not None and trial.tracks_legs)
-    return tables if told else replace(tables, notes=(*_on_legs(tracks, named), *tables.notes))
+    if told:
+        return tables
+    of_trial = trial.name if trial is not None else "trial"
+    said = [Note(note, where=of_trial) for note in _on_legs(tracks, named)]
+    return replace(tables, notes=(*said, *tables.notes))
 
 
 def _on_legs(tracks: Tracks, named: Mapping[str, str]) -> list[str]:

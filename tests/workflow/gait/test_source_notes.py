@@ -94,6 +94,8 @@ def test_what_makes_trials_unlike_is_said_and_what_all_share_once(tmp_path):
     (tmp_path / "s" / "study.csv").write_text("\n".join(rows) + "\n")
     run, said = notes(tmp_path / "s" / "study.csv", tmp_path / "out")
     assert "HL has no event in m02: what is said of it counts 4 of 5 animals." in said
+    # that of the trial which lacks it is not on the pages of other animals
+    assert any(note.startswith("m02: legs were guessed from the names") for note in said)
     assert any("(a at 200, b at 150 frames a second)" in note for note in said)
     # in the first lines what is said of every trial stands once; in notes.csv of each
     low = "positions with a confidence below 0.6 count as missing."
