@@ -174,7 +174,7 @@ def choose_legs(
     trial : Trial, optional
         Its ``[tracks] legs`` are used where none are named.
     legs : sequence of str or mapping, optional
-        Points that are feet, or names of legs to names of points; default the trial's, else
+        Legs or points that are feet, or names of legs to names of points; default the trial's, else
         guessed (:func:`guess_legs`).
     where : str
         How the message names the tracks.
@@ -197,7 +197,9 @@ def choose_legs(
     if isinstance(legs, Mapping):
         named = dict(legs)
     elif legs is not None:
-        named = {leg: leg for leg in legs}
+        # a leg that the trial, or the names of the points, say which point it is
+        known = guess_legs(points) | dict(trial.tracks_legs if trial is not None else {})
+        named = {leg: leg if leg in points else known.get(leg, leg) for leg in legs}
         if len(named) < len(list(legs)):
             raise InputError(f"legs is {list(legs)}, with one of them twice; name each once.")
     elif trial is not None and trial.tracks_legs:

@@ -187,6 +187,19 @@ def read_pairs(value: Any) -> list[tuple[str, str]] | None:
     return found
 
 
+def _check_one_space(units: Mapping[str, tuple[str, tuple[str, ...]]], trial: str) -> None:
+    """Refuse a trial some of whose legs have a place in space, and others in a picture only."""
+    own = {unit: legs for unit, (of, legs) in units.items() if of == trial}
+    if len(own) > 1 and "px" in own:
+        (unit,) = list(own.keys() - {"px"})[:1]
+        kept, lost = " ".join(own[unit]), ", ".join(own["px"])
+        raise InputError(
+            f"trial {trial!r}: in space there is no place of {lost}, or in too few frames, and "
+            f"those of a picture cannot be analysed beside the others, which are in {unit}: leave "
+            f"{lost} out (--legs {kept}), or look why the views do not agree about it."
+        )
+
+
 def check_alike(parts: Sequence[GaitTables]) -> None:
     """Refuse to pool trials in several units, or with legs under several kinds of names.
 
@@ -200,19 +213,20 @@ def check_alike(parts: Sequence[GaitTables]) -> None:
     InputError
         If lengths, or legs, of one trial cannot be compared with those of another.
     """
-    units: dict[str, str] = {}
+    units: dict[str, tuple[str, tuple[str, ...]]] = {}
     kinds: dict[frozenset[str], tuple[str, str]] = {}
     for part in parts:
         names = part.events["trial"].astype(str)
         for one in part.signals:
             if one.signal == POSITION:
-                units.setdefault(one.unit, one.trial)
+                units.setdefault(one.unit, (one.trial, one.legs))
+                _check_one_space(units, one.trial)
         for trial, legs in part.events["leg"].astype(str).groupby(names):
             # a trial may call some legs by names of its own: the next one has to do so, too
             own = frozenset(map(_kind_of, legs))
             kinds.setdefault(own, (str(trial), ", ".join(dict.fromkeys(legs))))
     if len(units) > 1:
-        said = " and ".join(f"{unit} ({trial})" for unit, trial in units.items())
+        said = " and ".join(f"{unit} ({trial})" for unit, (trial, _) in units.items())
         raise InputError(f"trials are in {said}; give all one unit, or analyse them apart.")
     if len(kinds) > 1:
         said = " and ".join(f"{legs} in {trial}" for trial, legs in kinds.values())

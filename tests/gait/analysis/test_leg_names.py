@@ -78,3 +78,10 @@ def test_the_message_takes_a_point_of_a_limb_for_its_example():
     tracks = make_tracks([0, 1], ["snout", "Hind paw tao", "Tail tip"], fps=100.0, unit="px")
     with pytest.raises(InputError, match="--legs HR='Hind paw tao'"):
         choose_legs(tracks)
+
+
+def test_legs_that_are_chosen_by_their_names_are_the_points_of_these_legs():
+    points = ["forepaw_R", "hindpaw_R", "hindpaw_L", "tip"]
+    tracks = make_tracks([0, 1], points, fps=100.0, unit="px")
+    assert choose_legs(tracks, legs=["HR", "HL"]) == {"HR": "hindpaw_R", "HL": "hindpaw_L"}
+    assert choose_legs(tracks, legs=["tip"]) == {"tip": "tip"}

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import shutil
 
+import numpy as np
 import pytest
+from trotting import FPS, walking_tracks
 
 from pawnb.errors import InputError
+from pawnb.io.native import write_tracks
+from pawnb.schema import make_tracks
 from pawnb.synthetic import write_deeplabcut_sample
 from pawnb.workflow.gait.run import run_gait
 
@@ -102,3 +106,22 @@ def test_what_makes_trials_unlike_is_said_and_what_all_share_once(tmp_path):
     assert run.text().count(low) == 1
     assert f"m01: {low} The like is said of 4 more trials (notes.csv)." in run.text()
     assert (tmp_path / "out" / "notes.csv").read_text().count(low) == 5
+
+
+def test_a_leg_without_a_place_in_space_is_named_with_what_to_do(tmp_path):
+    walk = walking_tracks("t1", "m1")
+    frames, points = walk["frame"].to_numpy(), [str(p) for p in walk["keypoint"].to_numpy()]
+    tracks = make_tracks(frames, points, fps=FPS, individual="m1", unit="mm", views=["cam1"])
+    tracks["position"][:] = walk["position"].to_numpy()
+    tracks["confidence"][:] = 1.0
+    tracks["position"][:, :, 3] = np.nan
+    tracks["image_position"][:] = np.random.default_rng(0).normal(
+        100.0, 9.0, tracks["image_position"].shape
+    )
+    tracks["image_confidence"][:] = 1.0
+    write_tracks(tracks, tmp_path / "tracks.nc")
+    with pytest.raises(InputError, match=rf"in space there is no place of {points[3]},") as error:
+        run_gait(tmp_path / "tracks.nc", figures="none")
+    kept = str(error.value).partition("--legs ")[2].partition(")")[0].split()
+    run = run_gait(tmp_path / "tracks.nc", figures="none", legs=kept)
+    assert set(run.tables.strides["leg"]) == set(kept)
