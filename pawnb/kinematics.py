@@ -266,7 +266,8 @@ def travel_direction(path: FloatArray, *, up: FloatArray | None = None) -> tuple
 def swing_direction(positions: FloatArray, *, fs_hz: float) -> FloatArray:
     """Find the front of an animal that steps in one place, from its feet alone.
 
-    The axis is the main axis of the feet's motion. Its front is where feet move to
+    The axis is the main axis of the feet's steps from frame to frame, which two labels that are
+    exchanged for once do not turn. Its front is where feet move to
     fastest: a swinging foot starts and stops and so peaks at nearly twice its mean
     speed, while a foot in stance goes with the belt. That holds for duty factors above
     about 0.35; for faster gaits state the direction.
@@ -283,7 +284,7 @@ def swing_direction(positions: FloatArray, *, fs_hz: float) -> FloatArray:
     ndarray, shape (d,)
         Unit vector.
     """
-    axis = main_axis(positions - np.nanmean(positions, axis=0))
+    axis = main_axis(_without_jumps(np.diff(positions, axis=0)))
     frequency = stride_frequency(positions, fs_hz=fs_hz)
     feet = np.einsum("ndk,d->nk", positions, axis)
     if math.isfinite(frequency) and 8.0 * frequency < 0.4 * fs_hz:
@@ -291,6 +292,16 @@ def swing_direction(positions: FloatArray, *, fs_hz: float) -> FloatArray:
     velocity = np.diff(feet, axis=0)
     fastest = np.nanpercentile(velocity, 98), -np.nanpercentile(velocity, 2)
     return axis if fastest[0] >= fastest[1] else -axis
+
+
+def _without_jumps(steps: FloatArray) -> FloatArray:
+    """Return steps from frame to frame, shape (n, d, k), the longest in a hundred cut short."""
+    length = np.linalg.norm(steps, axis=1, keepdims=True)
+    known = length[np.isfinite(length)]
+    if not known.size:
+        return steps
+    longest = np.percentile(known, 99)
+    return steps * np.minimum(1.0, longest / np.maximum(length, np.finfo(float).tiny))
 
 
 def main_axis(deviations: FloatArray) -> FloatArray:

@@ -123,6 +123,14 @@ def test_swing_tells_the_front(duty, sign):
     assert found[0] * sign > 0.98
 
 
+def test_labels_that_are_exchanged_halfway_do_not_turn_the_front():
+    """From below, 120 px between left and right: more than a foot steps."""
+    feet = stepping()
+    feet[:, 1] += [0.0, 120.0]
+    feet[400:] = feet[400:, :, ::-1]
+    assert swing_direction(feet, fs_hz=250.0)[0] > 0.98
+
+
 def test_stepping_in_place_is_no_travel():
     feet = stepping()
     path = smooth_path(feet, cutoff_hz=1.0, fs_hz=250.0)

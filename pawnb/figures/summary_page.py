@@ -22,6 +22,7 @@ from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
 
 A4_MM = (210.0, 297.0)
+_MARGIN_MM = 15.0
 MEASURES = {
     "frequency_hz": "Frequency\n(Hz)",
     "stance_s": "Stance\n(s)",
@@ -34,7 +35,9 @@ MEASURES = {
 
 _SHOWN_STRIDES = 8.0
 _MOST_ROSES = 4
-_MOST_LINES = 9
+_LINES_ON_A4 = 9
+"""Lines of notes that find room; for more the page is longer, the rest stays as it is."""
+_LINE_SHARE = 0.07
 _SIGNS_A_LINE = 150
 _LEAST_SPREAD = 1e-4
 
@@ -94,7 +97,7 @@ def plot_summary_page(
     unit: str | None = None,
     notes: Sequence[str] = (),
 ) -> Axes:
-    """Draw the page, A4 upright.
+    """Draw the page, A4 upright; with many notes it is longer.
 
     Shown are eight strides of the trial with the most strides, the phases of up to four pairs
     of legs, the table, and stride frequency, stride length and duty factor against speed
@@ -109,7 +112,8 @@ def plot_summary_page(
     unit : str, optional
         Unit of length.
     notes : sequence of str
-        What a reader must know, written below; as many as find room on ten lines.
+        What a reader must know, written below; the page is longer where they need more than
+        nine lines.
 
     Returns
     -------
@@ -136,14 +140,10 @@ def plot_summary_page(
         part[part["animal"].astype(str) == animal] for part in (events, strides, phases)
     )
     with style():
-        figure = plt.figure(figsize=size_mm(*A4_MM))
-        # margins of 15 mm, as a share of the page
-        left, low = 15.0 / A4_MM[0], 15.0 / A4_MM[1]
-        layout: Any = figure.get_layout_engine()
-        layout.set(rect=(left, low, 1.0 - 2.0 * left, 1.0 - 2.0 * low), h_pad=0.06, hspace=0.03)
         lines = _wrap_notes(notes)
         ratios = [0.12, 0.45 + 0.08 * len(table), 1.1, 0.4 + 0.1 * len(table), 1.1]
-        ratios += [0.15 + 0.07 * len(lines)] if lines else []
+        ratios += [0.15 + _LINE_SHARE * len(lines)] if lines else []
+        figure = _new_page(sum(ratios), further=max(0, len(lines) - _LINES_ON_A4))
         rows: Any = figure.subfigures(len(ratios), 1, height_ratios=ratios)
         first = _draw_diagram(rows[1], events, strides)
         _draw_roses(rows[2], phases)
@@ -158,6 +158,31 @@ def plot_summary_page(
             fontsize=get_style().font_size_pt + 4.0, ha="center", va="center",
         )  # fmt: skip
     return first
+
+
+def _new_page(height: float, *, further: int) -> Any:
+    """Return a page with margins, A4 but for the lines of notes that find no room there.
+
+    Parameters
+    ----------
+    height : float
+        Of all that is on the page, in the unit of the parts' ratios.
+    further : int
+        Lines of notes that find no room.
+
+    Returns
+    -------
+    Figure
+        The page.
+    """
+    inner = A4_MM[1] - 2.0 * _MARGIN_MM
+    longer = inner * height / (height - _LINE_SHARE * further)
+    width, length = A4_MM[0], longer + 2.0 * _MARGIN_MM
+    figure = plt.figure(figsize=size_mm(width, length))
+    left, low = _MARGIN_MM / width, _MARGIN_MM / length
+    layout: Any = figure.get_layout_engine()
+    layout.set(rect=(left, low, 1.0 - 2.0 * left, 1.0 - 2.0 * low), h_pad=0.06, hspace=0.03)
+    return figure
 
 
 def _draw_diagram(part: Any, events: pd.DataFrame, strides: pd.DataFrame) -> Axes:
@@ -233,14 +258,9 @@ def _title(part: Any, words: str) -> None:
 
 
 def _wrap_notes(notes: Sequence[str]) -> list[str]:
-    """Return the lines of the notes that find room, and how many notes do not."""
-    lines: list[str] = []
-    for i, note in enumerate(notes):
-        more = textwrap.wrap(f"- {note}", _SIGNS_A_LINE, subsequent_indent="  ")
-        if len(lines) + len(more) > _MOST_LINES:
-            return [*lines, f"- and {len(notes) - i} more in notes.csv"]
-        lines += more
-    return lines
+    """Return the lines of the notes."""
+    wrapped = (textwrap.wrap(f"- {n}", _SIGNS_A_LINE, subsequent_indent="  ") for n in notes)
+    return [line for lines in wrapped for line in lines]
 
 
 def _write_notes(part: Any, lines: list[str]) -> None:

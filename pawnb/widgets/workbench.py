@@ -157,11 +157,11 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         else:
             self.make_trial(videos)
 
-    def _show_list(self) -> None:
+    def _show_list(self, *, head: bool = True) -> None:
         """Show the trials, a line each."""
-        states = self.session.states
-        self._show_head(len(states))
-        shown = states[self._first : self._first + _PAGE]
+        if head:  # else what is being chosen there stays
+            self._show_head(len(self.session.states))
+        shown = self.session.states[self._first : self._first + _PAGE]
         rows = [self._row(state) for state in shown]
         cells = [self._cell(t, strong=True) for t in ("trial", *DONE, "next")] if rows else []
         grid = widgets.GridBox(
@@ -185,7 +185,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             )  # fmt: skip
             text, act = "New trial of these videos", lambda: self.make_trial(self._videos.value)
             head += [self._videos, self._button(text, act)]
-        if not n and (tracks := session.track_files()):
+        if tracks := session.track_files():
             form = partial(TracksForm, tracks, session, begin=self._begin, show=self._open)
             head.append(self._button("Gait of the tracks here", lambda: self._open(form)))
         if sum(state.next_step == "track" for state in session.states) > 1:
@@ -368,7 +368,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self._put_away()
 
         def work() -> Callable[[], None]:
-            said = self.session.track_all(self.work.progress)
+            shown = partial(self._show_list, head=False)
+            said = self.session.track_all(self.work.progress, shown)
             return lambda: self._tell(text_of(said))
 
         self._begin("tracking", work)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import ipywidgets as widgets
 
+from pawnb.errors import PawnbError
 from pawnb.widgets.workbench_session import WorkbenchSession
+from pawnb.workflow.words import split_legs
 
 ROW = {"flex_flow": "row wrap", "align_items": "center"}
 """A line of parts that goes on below where it is too long."""
@@ -118,15 +120,26 @@ class TracksForm(widgets.VBox):  # type: ignore[misc]
     ) -> None:
         self.files = widgets.SelectMultiple(
             options=[(path.name, str(path)) for path in files], rows=min(6, len(files)),
-            value=[str(path) for path in files], layout={"width": "24em"},
+            value=[str(path) for path in session.one_a_recording(files)],
+            layout={"width": "24em"},
         )  # fmt: skip
         self.fps = widgets.Text(placeholder="frames a second", description="filmed at")
+        self.animals = widgets.Text(placeholder="m1, m1, m2: of each file", description="animals")
+        self.groups = widgets.Text(placeholder="old, old, young: of each", description="groups")
+        self.legs = widgets.Text(
+            placeholder="where not told by name: FR=paw 1, HR=paw 2", description="legs",
+            layout={"width": "30em"},
+        )  # fmt: skip
         self._session, self._begin, self._show = session, begin, show
         go = widgets.Button(description="Analyse the gait", button_style="primary")
         go.on_click(lambda _: self.analyse())
-        said = "Each file counts as an animal of its own, unless it names its animals."
+        said = (
+            "Each file counts as an animal of its own, unless it names its animals: where several "
+            "are of one animal, name that of each file."
+        )
         self.told = cell(said, None, wrap=True)
-        super().__init__([widgets.HBox([self.files, self.fps, go], layout=ROW), self.told])
+        rows = ([self.files, self.fps, go], [self.animals, self.groups, self.legs])
+        super().__init__([*(widgets.HBox(row, layout=ROW) for row in rows), self.told])
 
     def analyse(self) -> None:
         """Analyse what is chosen, and show the results."""
@@ -138,11 +151,27 @@ class TracksForm(widgets.VBox):  # type: ignore[misc]
             )
             return
         files = [Path(name) for name in self.files.value]
-        self._begin("gait", lambda: self._analysed(files, fps))
+        try:
+            legs = split_legs(_words(self.legs.value))
+        except PawnbError as error:
+            self.told.value = str(error)
+            return
+        asked = {
+            "animals": _words(self.animals.value), "groups": _words(self.groups.value),
+            "legs": legs,
+        }  # fmt: skip
+        self._begin("gait", lambda: self._analysed(files, fps, asked))
 
-    def _analysed(self, files: Sequence[Path], fps: float) -> Callable[[], None]:
+    def _analysed(
+        self, files: Sequence[Path], fps: float, asked: Mapping[str, Any]
+    ) -> Callable[[], None]:
         """Analyse files; gives what to do then."""
-        run = self._session.gait_of_tracks(files, fps)
+        run = self._session.gait_of_tracks(files, fps, **asked)
         figures = sorted((run.out / "figures").rglob("*.png"))
         said = [line.removeprefix("note: ") for line in run.text().splitlines()]
         return lambda: self._show(lambda: Tool(show_results(figures, said), []))
+
+
+def _words(text: str) -> list[str] | None:
+    """Return what stands between commas; None where nothing was typed."""
+    return [word.strip() for word in text.split(",")] if text.strip() else None

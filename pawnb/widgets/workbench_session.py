@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -16,6 +17,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
+from pawnb.workflow.gait.sources import recording_name
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
@@ -38,6 +40,8 @@ from pawnb.workflow.workbench.used_frames import write_frames
 Progress = Callable[..., None]
 _TRACK_ENDINGS = (".csv", ".tsv", ".h5", ".slp", ".nc", ".nwb", ".c3d")
 """Of files that other programs keep tracks in."""
+_RESULTS_OF_TRACKS = f"{RESULTS_FOLDER}_of_tracks"
+"""Folder of results of files of tracks that lie beside a trial."""
 
 
 class WorkbenchSession:
@@ -85,7 +89,7 @@ class WorkbenchSession:
     def next_step(self, state: TrialState) -> Step:
         """Return what comes next: a review in which all was right counts as well."""
         step = state.next_step
-        if step == "review" and state.folder in self._reviewed:
+        if step == "review" and state.folder in self._reviewed and not state.is_unsaved:
             return "look" if "analysed" in state.done else "gait"
         return step
 
@@ -104,19 +108,53 @@ class WorkbenchSession:
         return [video for video in find_videos(self.folder) if video.resolve() not in taken]
 
     def track_files(self) -> list[Path]:
-        """Return the files of the folder itself that hold tracks of other programs."""
+        """Return the files of the folder itself with tracks that no trial there names."""
+        taken = {
+            trial.path(name).resolve()
+            for trial in (state.trial for state in self.states)
+            if trial is not None
+            for name in (*trial.track_files, trial.start_file(), trial.start_pose_file())
+            if name is not None
+        }
         found = []
         for path in sorted(self.folder.iterdir()):
             if path.suffix not in _TRACK_ENDINGS or path.name == "start.csv":
+                continue
+            if path.resolve() in taken:
                 continue
             with suppress(PawnbError, OSError):
                 recognise_format(path)
                 found.append(path)
         return found
 
-    def gait_of_tracks(self, files: Sequence[Path], fps: float) -> GaitRun:
-        """Analyse the gait in files of tracks; results go into the folder."""
-        return run_gait(list(files), fps=fps, figures="main", out=self.folder / RESULTS_FOLDER)
+    @staticmethod
+    def one_a_recording(files: Sequence[Path]) -> list[Path]:
+        """Return the first file of each recording: programs write several of one."""
+        first = {recording_name(path, recognise_format(path)): path for path in reversed(files)}
+        return [path for path in files if path in first.values()]
+
+    def gait_of_tracks(self, files: Sequence[Path], fps: float, **asked: Any) -> GaitRun:
+        """Analyse the gait in files of tracks; results go into the folder.
+
+        Those of a trial that lies in the folder itself are left alone.
+
+        Parameters
+        ----------
+        files : sequence of Path
+            The files.
+        fps : float
+            Frames a second.
+        **asked
+            animals, groups and legs, as for :func:`pawnb.run_gait`.
+
+        Returns
+        -------
+        GaitRun
+            What was written.
+        """
+        is_trial = (self.folder / "trial.toml").exists()
+        out = self.folder / (_RESULTS_OF_TRACKS if is_trial else RESULTS_FOLDER)
+        return run_gait(list(files), fps=fps, figures="main", out=out, **asked)
 
     def track(self, state: TrialState, progress: Progress | None = None) -> str:
         """Track a trial; returns the verdict in words.
@@ -153,13 +191,17 @@ class WorkbenchSession:
             f"{state.name}: tracked {tracks.sizes['time']} frames, {assess_quality(tracks).line()}"
         )
 
-    def track_all(self, progress: Progress | None = None) -> list[str]:
+    def track_all(
+        self, progress: Progress | None = None, one_is_done: Callable[[], None] | None = None
+    ) -> list[str]:
         """Track every trial that is started and not tracked; returns a line for each.
 
         Parameters
         ----------
         progress : callable, optional
             ``progress(done, total, doing)``.
+        one_is_done : callable, optional
+            Called as each trial is done, or has failed; ``states`` knows it then.
 
         Returns
         -------
@@ -176,6 +218,9 @@ class WorkbenchSession:
                 said.append(self.track(state, _of_list(progress, f"{k} of {len(waiting)}", state)))
             except (PawnbError, OSError) as error:
                 said.append(f"{state.name}: {error}")
+            self.refresh()
+            if one_is_done is not None:
+                one_is_done()
         return said
 
     def gait(self, state: TrialState) -> GaitRun:

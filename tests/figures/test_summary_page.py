@@ -74,12 +74,12 @@ def test_bad_input_is_refused():
         build_summary_page_table(tables().strides, animal="x")
 
 
-def test_notes_stand_below_as_far_as_they_find_room():
+def test_every_note_stands_below_on_a_page_as_long_as_they_need():
     made = tables()
     table = build_summary_page_table(made.strides, animal="a")
     few = ["one thing to know.", "costs $1 and $2"]
-    more = [f"note {i} " + "with many words " * 14 for i in range(12)]
-    for notes, last in ((few, few[-1]), (more, "more in notes.csv")):
+    more = [f"note {i} " + "with many words " * 14 + f"end {i}" for i in range(12)]
+    for notes, last in ((few, few[-1]), (more, "end 11")):
         ax = plot_summary_page(
             table, events=made.events, strides=made.strides, phases=made.phases, notes=notes
         )
@@ -88,6 +88,10 @@ def test_notes_stand_below_as_far_as_they_find_room():
         assert "e  Notes" in shown
         words = next(t for t in shown if t.startswith(f"- {notes[0][:6]}"))
         assert words.splitlines()[-1].endswith(last)
+        assert words.count("\n- ") + 1 == len(notes)
+        # the rest of the page keeps its size: 2 x 12 lines, of which nine find room on A4
+        grown = page_figure.get_size_inches()[1] * 25.4 - 297.0
+        assert grown == 0.0 if notes is few else 15 * 3.0 < grown < 15 * 5.0
         page_figure.draw_without_rendering()
         box = next(t for t in page_figure.findobj(mpl.text.Text) if t.get_text() == words)
         inside = box.get_window_extent()

@@ -1,9 +1,7 @@
 """The workbench without a browser: from bare videos to tracks and gait, and what is refused."""
 
-import csv
 import shutil
 
-import ipywidgets as widgets
 import numpy as np
 import pytest
 import small_trial as scene
@@ -16,8 +14,6 @@ from pawnb.widgets.crop_canvas import CropCanvas, drag_corner
 from pawnb.widgets.workbench_session import WorkbenchSession
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.workbench.new_trial import new_trial
-
-FL_TO_FR = ("FL", "FR")
 
 
 @pytest.fixture(scope="module")
@@ -257,30 +253,6 @@ def test_what_failed_in_tracking_is_in_the_list_until_it_is_tracked(described, o
     assert len(again._list.children) == 1
 
 
-@pytest.mark.parametrize("name", ["dlc_single.csv", "sleap.analysis.h5"])
-def test_tracks_of_other_programs_lead_to_their_gait(real_data, tmp_path, opened, name):
-    """Phases of the file's formula: FL is 3 rad before FR in a cycle."""
-    shutil.copy(real_data("peer-files") / name, tmp_path)
-    (tmp_path / "other.csv").write_text("a,b\n1,2\n")
-    bench = opened(tmp_path)
-    bench._head.children[1].click()
-    form = bench.tool
-    assert [label for label, _ in form.files.options] == [name]
-    form.analyse()
-    assert "expected a number, such as 200" in form.told.value
-    form.fps.value = "100"
-    form.analyse()
-    bench.work.wait(120)
-    shown = [line.value for line in bench.tool.tool.children if isinstance(line, widgets.Label)]
-    assert "strides of" in shown[0]
-    assert any("told from the swing of its feet" in line for line in shown)
-    with (tmp_path / "results" / "phases.csv").open() as file:
-        rows = [row for row in csv.DictReader(file) if (row["leg"], row["reference"]) == FL_TO_FR]
-    assert rows
-    for row in rows:
-        assert float(row["phase"]) == pytest.approx(1 - 3 / (2 * np.pi), abs=0.01)
-
-
 def test_a_list_that_is_tracked_says_which_trial_it_is_at(described, monkeypatch):
     told = []
     session = WorkbenchSession(described)
@@ -292,6 +264,34 @@ def test_a_list_that_is_tracked_says_which_trial_it_is_at(described, monkeypatch
     monkeypatch.setattr("pawnb.widgets.workbench_session.track", track)
     session.track_all(lambda *words: told.append(words))
     assert told == [(3, 40, "small (1 of 1), decoding")]
+
+
+def test_the_list_of_a_batch_changes_as_each_trial_is_done(described, monkeypatch, opened):
+    shutil.copytree(described, described.parent / "m2")
+    bench = opened(described.parent)
+    ticks = []
+
+    def track(trial, *, out, **options):
+        ticks.append([bench._list.children[0].children[row * 8 + 4].value for row in (1, 2)])
+        write_track_results(scene.true_tracks(), out)
+        return scene.true_tracks()
+
+    monkeypatch.setattr("pawnb.widgets.workbench_session.track", track)
+    bench._track_all()
+    bench.work.wait(60)
+    assert ticks == [["–", "–"], ["✓", "–"]]  # column "tracked"
+
+
+def test_a_review_with_corrections_that_are_not_saved_is_not_done(described, opened):
+    write_track_results(scene.true_tracks(), described / "results")
+    (described / "results" / "edits.jsonl").write_text(
+        '{"edit": "hide", "frame": 1, "view": "cam1", "point": "FR"}\n'
+    )
+    bench = opened(described.parent)
+    assert "1 correction is not in the tracks" in bench._list.children[1].value
+    (state,) = bench.session.states
+    bench.session.has_looked(state)
+    assert bench.session.next_step(state) == "review"
 
 
 def test_a_review_in_which_all_was_right_counts(described):

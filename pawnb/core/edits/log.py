@@ -41,7 +41,7 @@ from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
     "EDIT_LINES", "Accept", "Delete", "Edit", "EditLog", "Hide", "Interpolate", "Move", "Pose",
-    "Retrack", "Swap", "apply_edit", "count_unsaved", "describe_edit", "replay",
+    "Retrack", "Swap", "apply_edit", "describe_edit", "replay", "say_unsaved",
 ]  # fmt: skip
 
 
@@ -350,13 +350,15 @@ def replay(
     return EditLog(tracks, path, rig=rig, px_per_unit=px_per_unit, retrack=retrack).stamped()
 
 
-def count_unsaved(tracks: Tracks, path: str | Path) -> int:
-    """Count the corrections in force that tracks lack, but for labels that were right as they are.
+def say_unsaved(tracks: Tracks, path: str | Path) -> str:
+    """Say how many corrections in force tracks lack, but for labels that were right as they are.
 
-    Raises InputError where the tracks do not go with ``edits.jsonl``.
+    Empty where none; raises InputError where the tracks do not go with ``edits.jsonl``.
     """
     n_contained, past, _, _ = _settle(read_journal(path, EDIT_LINES)[0], tracks)
-    return sum(not isinstance(edit, Accept) for edit in past[n_contained:])
+    n = sum(not isinstance(edit, Accept) for edit in past[n_contained:])
+    said = "1 correction is" if n == 1 else f"{n} corrections are"
+    return f"{said} not in the tracks; open the review and press Save tracks." if n else ""
 
 
 def _settle(

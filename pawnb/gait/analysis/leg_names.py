@@ -15,14 +15,25 @@ _RANK_WORDS = {
     "f": "F", "fore": "F", "front": "F", "anterior": "F", "pro": "F",
     "m": "M", "mid": "M", "middle": "M", "meso": "M",
     "h": "H", "hind": "H", "rear": "H", "back": "H", "posterior": "H", "meta": "H",
+    "hd": "H", "bk": "H", "prothoracic": "F", "mesothoracic": "M", "metathoracic": "H",
 }  # fmt: skip
-_LIMBS = ("paw", "leg", "limb", "foot", "feet", "hand")
+_LIMBS = ("paw", "leg", "limb", "foot", "feet", "hand", "hoof")
 _DISTAL = (
-    ("tip", "claw", "toe", "toes", "tao", "finger"),
-    ("paw", "foot", "feet", "hand", "tarsus", "ta"),
+    ("tip", "claw", "toe", "toes", "tao", "finger", "nail"),
+    ("paw", "foot", "feet", "hand", "hoof", "tarsus", "ta"),
     ("mtp", "metatarsus", "ankle", "wrist"),
 )
 """Words for parts of a leg, the outermost first; other parts are no feet when one of these is."""
+_COUNTED_PARTS = frozenset({"leg", "limb", "claw", "tip", "tarsus", "ta"})
+"""Words beside which a number counts legs from the front; beside a paw or toe it counts others."""
+_NO_LEGS = frozenset({"ear", "eye", "tail", "wing", "antenna", "whisker", "palp"})
+_REAR_PAIRS = (
+    (("fl", "fr"), {"rl": ("L", "H"), "rr": ("R", "H")}),
+    (("fl", "fr"), {"bl": ("L", "H"), "br": ("R", "H")}),
+    (("lf", "rf"), {"lr": ("L", "H"), "rr": ("R", "H")}),
+    (("lf", "rf"), {"lb": ("L", "H"), "rb": ("R", "H")}),
+)
+"""Letters of rear and back legs, which say so only beside those of front ones."""
 
 _FOUR_LEGS = frozenset({"FR", "HR", "FL", "HL"})
 _FRONT = ("snout", "nose", "head", "neck")
@@ -34,7 +45,7 @@ _GLUED = re.compile(
     rf"(?P<rank>{'|'.join(sorted(_RANK_WORDS, key=len, reverse=True))})"
     rf"(?P<limb>{'|'.join(_LIMBS)})s?(?P<side>[lr])?"
 )
-_PAIR = re.compile(r"(?P<a>[lrfmh])(?P<b>[lrfmh])")
+_PAIR = re.compile(rf"([lr][fmh]|[fmh][lr])(?P<limb>(?:{'|'.join(_LIMBS)})s?)?")
 _CHAIN = re.compile(r"(?P<leg>[LR]\d)(?P<part>[A-F])")
 
 
@@ -42,8 +53,9 @@ def guess_legs(points: Iterable[str]) -> dict[str, str]:
     """Guess which points are the feet, from their names.
 
     Understood are the names that pawnb itself uses (FR, L1, LF, ...), names in words
-    (``Front Paw R``, ``hindpaw_left``, ``forelegL4``, ``LF_Claw``), and Anipose's fly legs
-    (``L1A`` to ``L1E``). Where several points belong to one leg the outermost is its foot.
+    (``Front Paw R``, ``hindpaw_left``, ``forelegL4``, ``LF_Claw``, ``claw_L1``), Anipose's fly
+    legs (``L1A`` to ``L1E``), and R or B for rear or back legs beside F for front ones (FL, FR,
+    RL, RR). Where several points belong to one leg the outermost is its foot.
 
     Parameters
     ----------
@@ -59,27 +71,91 @@ def guess_legs(points: Iterable[str]) -> dict[str, str]:
         it; words fill in those of the same kind that are left.
     """
     points = list(points)
+    rears = _rear_pairs(points)
     own = {point: point for point in points if find_leg_place(point) is not None}
-    guessed = _guess_from_words(point for point in points if point not in own)
-    if not own or not own.keys() <= _FOUR_LEGS:
-        return own or guessed
-    return {leg: point for leg, point in guessed.items() if leg in _FOUR_LEGS} | own
+    guessed = _guess_from_words([point for point in points if point not in own], rears)
+    if not own:
+        return guessed
+    four = {leg: point for leg, point in guessed.items() if leg in _FOUR_LEGS}
+    if own.keys() <= _FOUR_LEGS:
+        return four | own
+    if own.keys() <= {leg[::-1] for leg in _FOUR_LEGS}:
+        return {leg[::-1]: point for leg, point in four.items()} | own
+    return own
 
 
-def _guess_from_words(points: Iterable[str]) -> dict[str, str]:
+def overlooked_points(points: Iterable[str], legs: Mapping[str, str]) -> list[str]:
+    """Return points that are named like a part of a limb and belong to no leg that was guessed.
+
+    Parameters
+    ----------
+    points : iterable of str
+        Names of all points.
+    legs : mapping
+        Leg to point, as guessed.
+
+    Returns
+    -------
+    list of str
+        Such as ``left paw``, which does not say whether it is a front one.
+    """
+    points = list(points)
+    rears = _rear_pairs(points)
+    feet = set(legs.values())
+    known = {(leg.side, leg.rank) for name in legs if (leg := find_leg_place(name)) is not None}
+    found = []
+    for point in points:
+        words = _split(point)
+        if point in feet or set(words) & _NO_LEGS:
+            continue
+        read = _read(point, rears)
+        if read is not None:
+            (side, rank), _ = read
+            place = find_leg_place(_leg_name(side, rank, six="M" in rank))
+            if place is None or (place.side, place.rank) not in known:
+                found.append(point)
+        elif any(word in group for word in words for group in (_LIMBS, *_DISTAL[:2])):
+            found.append(point)
+    return found
+
+
+def _rear_pairs(points: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Return what letters of rear and back legs mean beside those of the front ones."""
+    words = {word for point in points for word in _split(point)}
+    if words & {"hl", "hr", "lh", "rh"}:
+        return {}
+    meant: dict[str, tuple[str, str]] = {}
+    for fronts, rears in _REAR_PAIRS:
+        if words & set(fronts):
+            meant = rears | meant
+    return meant
+
+
+def _guess_from_words(
+    points: Sequence[str], rears: Mapping[str, tuple[str, str]]
+) -> dict[str, str]:
     """Guess legs of names that say side and place in words."""
+    best = _outermost(points, rears)
+    if not best:  # names of nothing but side and place, where they are those of all four legs
+        bare = _outermost(points, rears, bare=True)
+        best = bare if len(bare) == len(_FOUR_LEGS) else {}
+    six = any(rank == "M" for _, rank in best)
+    return {_leg_name(side, rank, six=six): point for (side, rank), point in sorted(best.items())}
+
+
+def _outermost(
+    points: Sequence[str], rears: Mapping[str, tuple[str, str]], *, bare: bool = False
+) -> dict[tuple[str, str], str]:
+    """Return the outermost point of each leg, by side and rank."""
     best: dict[tuple[str, str], tuple[int, str]] = {}
     for point in points:
-        read = _read(point)
+        read = _read(point, rears, bare=bare)
         if read is None:
             continue
         place, depth = read
         if place not in best or depth < best[place][0]:
             best[place] = depth, point
-    six = any(rank == "M" for _, rank in best)
-    return {
-        _leg_name(side, rank, six=six): point for (side, rank), (_, point) in sorted(best.items())
-    }
+    return {place: point for place, (_, point) in best.items()}
 
 
 def choose_legs(
@@ -98,7 +174,7 @@ def choose_legs(
     trial : Trial, optional
         Its ``[tracks] legs`` are used where none are named.
     legs : sequence of str or mapping, optional
-        Points that are feet, or names of legs to names of points; default the trial's, else
+        Legs or points that are feet, or names of legs to names of points; default the trial's, else
         guessed (:func:`guess_legs`).
     where : str
         How the message names the tracks.
@@ -121,7 +197,9 @@ def choose_legs(
     if isinstance(legs, Mapping):
         named = dict(legs)
     elif legs is not None:
-        named = {leg: leg for leg in legs}
+        # a leg that the trial, or the names of the points, say which point it is
+        known = guess_legs(points) | dict(trial.tracks_legs if trial is not None else {})
+        named = {leg: leg if leg in points else known.get(leg, leg) for leg in legs}
         if len(named) < len(list(legs)):
             raise InputError(f"legs is {list(legs)}, with one of them twice; name each once.")
     elif trial is not None and trial.tracks_legs:
@@ -131,10 +209,11 @@ def choose_legs(
     else:
         named = guess_legs(points)
     if not named:
+        like = next(iter(overlooked_points(points, {})), points[-1])
         raise InputError(
             f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
-            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {points[-1]!r}}} or "
-            f"on the command line --legs HR={points[-1]!r}."
+            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {like!r}}} or "
+            f"on the command line --legs HR={like!r}."
         )
     feet = list(named.values())
     twice = next((foot for i, foot in enumerate(feet) if foot in feet[:i]), None)
@@ -148,40 +227,69 @@ def _leg_name(side: str, rank: str, *, six: bool) -> str:
     return f"{side}{rank}" if six or rank.isdigit() else f"{rank}{side}"
 
 
-def _read(point: str) -> tuple[tuple[str, str], int] | None:
-    """Return side and rank of a point's leg, and how far in it lies (0: outermost)."""
+def _split(point: str) -> list[str]:
+    """Return the words of a name, in small letters."""
+    return [word.lower() for word in _WORDS_OF_NAME.findall(point)]
+
+
+def _read(
+    point: str, rears: Mapping[str, tuple[str, str]], *, bare: bool = False
+) -> tuple[tuple[str, str], int] | None:
+    """Return side and rank of a point's leg, and how far in it lies (0: outermost).
+
+    Parameters
+    ----------
+    point : str
+        Its name.
+    rears : mapping
+        Of :func:`_rear_pairs`.
+    bare : bool
+        Whether a name of nothing but side and rank is one of a leg, too.
+
+    Returns
+    -------
+    tuple or None
+        ``(side, rank), depth``; None where the name is not that of a leg.
+    """
     chain = _CHAIN.fullmatch(point)
     if chain:
         leg = find_leg_place(chain["leg"])
         return ((leg.side, str(leg.rank)), ord("F") - ord(chain["part"])) if leg else None
-    side = rank = ""
-    words = [word.lower() for word in _WORDS_OF_NAME.findall(point)]
-    limb = False
+    words = _split(point)
+    if set(words) & _NO_LEGS:
+        return None
+    side = next((_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS), "")
+    rank, limb = "", False
     for word in words:
-        glued, pair = _GLUED.fullmatch(word), _PAIR.fullmatch(word)
-        if glued:
-            rank, side, limb = (
-                _RANK_WORDS[glued["rank"]],
-                side or _SIDE_WORDS.get(glued["side"], ""),
-                True,
-            )
-        elif (
-            pair and {pair["a"], pair["b"]} & set("lr") and not {pair["a"], pair["b"]} <= set("lr")
-        ):
-            for letter in word:
-                side, rank = _SIDE_WORDS.get(letter, side), _RANK_WORDS.get(letter, rank)
-            limb = True
-        elif word in _SIDE_WORDS:
-            side = side or _SIDE_WORDS[word]
-        elif word in _RANK_WORDS:
-            rank = rank or _RANK_WORDS[word]
-        limb = limb or word.rstrip("s") in _LIMBS
+        own_side, own_rank, is_limb = _read_word(word, rears)
+        if own_rank and side and own_side not in ("", side):
+            if word != "fr":  # "l_fr_paw": short for front
+                return None
+            own_side = ""
+        side, rank, limb = side or own_side, rank or own_rank, limb or is_limb
+    numbers = [word for word in words if word.isdigit()]
+    if not rank and len(numbers) == 1 and set(words) & _COUNTED_PARTS:
+        rank, limb = numbers[0], True
     depth = next(
         (i for i, group in enumerate(_DISTAL) if any(word in group for word in words)), None
     )
-    if not side or not rank or not (limb or depth is not None):
+    limb = limb or depth is not None or (bare and {*words} <= {*_SIDE_WORDS, *_RANK_WORDS})
+    if not (side and rank and limb):
         return None
     return (side, rank), len(_DISTAL) if depth is None else depth
+
+
+def _read_word(word: str, rears: Mapping[str, tuple[str, str]]) -> tuple[str, str, bool]:
+    """Return the side and the rank that a word says (empty: none), and whether it is a limb's."""
+    if word in rears:
+        return *rears[word], True
+    glued, pair = _GLUED.fullmatch(word), _PAIR.fullmatch(word)
+    if glued:
+        return _SIDE_WORDS.get(glued["side"], ""), _RANK_WORDS[glued["rank"]], True
+    if pair:
+        side = next(_SIDE_WORDS[letter] for letter in word[:2] if letter in "lr")
+        return side, next(_RANK_WORDS[letter] for letter in word[:2] if letter in "fmh"), True
+    return "", _RANK_WORDS.get(word, ""), word.rstrip("s") in _LIMBS
 
 
 def guess_body(points: Iterable[str]) -> tuple[str, str] | None:
@@ -198,7 +306,7 @@ def guess_body(points: Iterable[str]) -> tuple[str, str] | None:
         A point at the rear (base of the tail, butt, abdomen) and one in front (snout, nose,
         head, neck), the first of each list that is there; None where there are not both.
     """
-    words = {point: [w.lower() for w in _WORDS_OF_NAME.findall(point)] for point in points}
+    words = {point: _split(point) for point in points}
 
     def first(wanted: tuple[str, ...], refused: tuple[str, ...] = ()) -> str | None:
         for word in wanted:

@@ -13,7 +13,9 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
-from pawnb.gait.analysis.leg_names import choose_legs, guess_body
+from pawnb.gait.analysis.feet_apart import say_on_one_place
+from pawnb.gait.analysis.leg_names import choose_legs, guess_body, overlooked_points
+from pawnb.gait.analysis.notes import Note
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
 from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.events.contacts import unscored_gaps
@@ -139,13 +141,28 @@ def analyse(
         )  # fmt: skip
     tables = pool(parts)
     told = legs is not None or (trial is not None and trial.tracks_legs)
-    if not told and any(leg != point for leg, point in named.items()):
+    if told:
+        return tables
+    of_trial = trial.name if trial is not None else "trial"
+    said = [Note(note, where=of_trial) for note in _on_legs(tracks, named)]
+    return replace(tables, notes=(*said, *tables.notes))
+
+
+def _on_legs(tracks: Tracks, named: Mapping[str, str]) -> list[str]:
+    """Return notes on legs that nobody named: what was guessed, and what may be left out."""
+    notes = []
+    if any(leg != point for leg, point in named.items()):
         guess = ", ".join(f"{leg} is {point!r}" for leg, point in named.items())
-        note = (
+        notes.append(
             f"legs were guessed from the names of points: {guess}; say others with legs (--legs)."
         )
-        tables = replace(tables, notes=(note, *tables.notes))
-    return tables
+    points = [str(point) for point in tracks["keypoint"].to_numpy()]
+    if left_out := overlooked_points(points, named):
+        notes.append(
+            f"{', '.join(left_out)}: named like a part of a limb, and of no leg that is analysed "
+            f"({', '.join(named)}); say which legs these are with legs (--legs)."
+        )
+    return notes
 
 
 def analyse_events(
@@ -316,7 +333,7 @@ def _analyse_one(
         events += found.events
         gaps += found.gaps
         dropped += found.dropped
-        notes += found.notes
+        notes += [*found.notes, *say_on_one_place(space, fs_hz=grid.fs_hz)]
         signals += found.signals
         motion |= dict.fromkeys(space.legs, found.motion)
     table = pd.DataFrame([{**who, **e} for e in events], columns=list(EVENT_TABLE_COLUMNS))

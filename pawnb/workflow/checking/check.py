@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,11 @@ from pawnb.core.video import ViewReader, open_views
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
+from pawnb.io.cameras import read_cameras
 from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, View, load_trial
 from pawnb.workflow.checking.check_report import CheckReport
+from pawnb.workflow.conversion.file_pixels import picture_sizes
 from pawnb.workflow.conversion.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.gait.event_sources import read_trial_events
 from pawnb.workflow.gait.inputs import check_settings
@@ -58,6 +61,7 @@ def check_trial(trial: Trial | str | Path) -> CheckReport:
     )
     _check_belt(trial, report)
     _check_gait_settings(trial, report)
+    _check_camera_sizes(trial, report)
     sizes: dict[str, list[int]] = {}
     if trial.is_tracked_elsewhere:
         _check_tracks_file(trial, report)
@@ -137,6 +141,24 @@ def _check_gait_settings(trial: Trial, report: CheckReport) -> None:
         check_settings(trial.gait, where="[gait]")
     except InputError as error:
         report.faults.append(str(error))
+
+
+def _check_camera_sizes(trial: Trial, report: CheckReport) -> None:
+    """Doubt cameras that another program calibrated with pictures of another size."""
+    file = trial.calibration.cameras if trial.calibration is not None else None
+    if file is None:
+        return
+    sizes = picture_sizes(trial)
+    with suppress(PawnbError):  # what cannot be read is said where it is needed
+        for camera in read_cameras(trial.path(file)):
+            shown = sizes.get(camera.name)
+            if camera.size is not None and shown is not None and camera.size != shown:
+                report.doubts.append(
+                    f"{file}: camera {camera.name!r} was calibrated with pictures of "
+                    f"{camera.size[0]} x {camera.size[1]} px, and the video of that view has "
+                    f"{shown[0]} x {shown[1]}; calibrate with pictures of the video's size, or "
+                    "correct 'size' where only that is wrong"
+                )
 
 
 def _check_tracks_file(trial: Trial, report: CheckReport) -> None:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import re
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from pawnb import gait
@@ -19,7 +20,13 @@ from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.event_sources import choose_event_legs
 from pawnb.workflow.gait.request import GaitRequest, Legs
 from pawnb.workflow.gait.sources import GaitSource, read_source
-from pawnb.workflow.gait.study import Study, StudyTrial, is_study, read_study
+from pawnb.workflow.gait.study import (
+    Study,
+    StudyTrial,
+    is_study,
+    read_study,
+    tell_if_meant_as_study,
+)
 
 _MOUSE = {"FR", "HR", "FL", "HL"}
 
@@ -55,7 +62,7 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
             )
         study = read_study(studies[0])
         check_settings(study.settings, where=f"{study.path}: [gait]")
-        return [_of_study(trial, study, fps) for trial in study.trials], study
+        return _each_once([_of_study(trial, study, fps) for trial in study.trials]), study
     for name, given in (("animals", animals), ("groups", groups)):
         if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
             raise InputError(
@@ -70,12 +77,33 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
             dataclasses.replace(source, group=group)
             for source, group in zip(sources, groups, strict=True)
         ]
-    return sources, None
+    return _each_once(sources), None
+
+
+def _each_once(sources: list[GaitSource]) -> list[GaitSource]:
+    """Return sources; refuse two files of the same trial of an animal."""
+    seen: dict[tuple[str, str], GaitSource] = {}
+    for source in sources:
+        for animal in source.animals:
+            first = seen.setdefault((animal, source.trial_name), source)
+            if first is not source and first.given == source.given:
+                raise InputError(f"{source.given} is named twice; name it once.")
+            if first is not source:
+                raise InputError(
+                    f"{first.given} and {source.given} are both trial {source.trial_name!r} of "
+                    f"animal {animal!r}. Of one recording (as .csv and .h5, or filtered as well) "
+                    "name one file only; of two, call them by different names."
+                )
+    return sources
 
 
 def _of_input(path: Any, fps: float | None) -> GaitSource:
     """Read one input, and check the settings that it has of its own."""
-    own = read_source(path, fps=fps)
+    try:
+        own = read_source(path, fps=fps)
+    except InputError:
+        tell_if_meant_as_study(Path(path))
+        raise
     check_settings(own.settings, where=f"{own.given}: [gait]")
     return own
 
@@ -159,6 +187,19 @@ def read_pairs(value: Any) -> list[tuple[str, str]] | None:
     return found
 
 
+def _check_one_space(units: Mapping[str, tuple[str, tuple[str, ...]]], trial: str) -> None:
+    """Refuse a trial some of whose legs have a place in space, and others in a picture only."""
+    own = {unit: legs for unit, (of, legs) in units.items() if of == trial}
+    if len(own) > 1 and "px" in own:
+        (unit,) = list(own.keys() - {"px"})[:1]
+        kept, lost = " ".join(own[unit]), ", ".join(own["px"])
+        raise InputError(
+            f"trial {trial!r}: in space there is no place of {lost}, or in too few frames, and "
+            f"those of a picture cannot be analysed beside the others, which are in {unit}: leave "
+            f"{lost} out (--legs {kept}), or look why the views do not agree about it."
+        )
+
+
 def check_alike(parts: Sequence[GaitTables]) -> None:
     """Refuse to pool trials in several units, or with legs under several kinds of names.
 
@@ -172,19 +213,20 @@ def check_alike(parts: Sequence[GaitTables]) -> None:
     InputError
         If lengths, or legs, of one trial cannot be compared with those of another.
     """
-    units: dict[str, str] = {}
+    units: dict[str, tuple[str, tuple[str, ...]]] = {}
     kinds: dict[frozenset[str], tuple[str, str]] = {}
     for part in parts:
         names = part.events["trial"].astype(str)
         for one in part.signals:
             if one.signal == POSITION:
-                units.setdefault(one.unit, one.trial)
+                units.setdefault(one.unit, (one.trial, one.legs))
+                _check_one_space(units, one.trial)
         for trial, legs in part.events["leg"].astype(str).groupby(names):
             # a trial may call some legs by names of its own: the next one has to do so, too
             own = frozenset(map(_kind_of, legs))
             kinds.setdefault(own, (str(trial), ", ".join(dict.fromkeys(legs))))
     if len(units) > 1:
-        said = " and ".join(f"{unit} ({trial})" for unit, trial in units.items())
+        said = " and ".join(f"{unit} ({trial})" for unit, (trial, _) in units.items())
         raise InputError(f"trials are in {said}; give all one unit, or analyse them apart.")
     if len(kinds) > 1:
         said = " and ".join(f"{legs} in {trial}" for trial, legs in kinds.values())
@@ -198,35 +240,6 @@ def _kind_of(leg: str) -> str:
     if leg in _MOUSE:
         return "mouse"
     return "spider" if re.fullmatch(r"[LR]\d+", leg) else "own"
-
-
-def who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
-    """Say where files that name no animal were counted as animals of their own.
-
-    Parameters
-    ----------
-    sources : sequence of GaitSource
-        The inputs.
-    animals : sequence of str or None
-        Ids that were given.
-
-    Returns
-    -------
-    list of str
-        One note, or none.
-    """
-    guessed = [
-        source.trial.animal.id if source.trial is not None else source.path.stem
-        for source in sources
-        if source.guessed
-    ]
-    if animals is not None or len(sources) < 2 or not guessed:
-        return []
-    return [
-        f"these files do not name their animal, so each counts as one of its own: "
-        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
-        "one id for each input."
-    ]
 
 
 def tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:

@@ -13,6 +13,7 @@ import pandas as pd
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import EventSettings, GaitTables
+from pawnb.gait.analysis.notes import alike_in_one
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.cycles import LegSignals
@@ -28,9 +29,9 @@ from pawnb.workflow.gait.inputs import (
     check_alike,
     read_sources,
     tracks_of,
-    who_is_who,
 )
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
+from pawnb.workflow.gait.source_notes import notes_on_sources, notes_on_trials
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.statistics import (
@@ -92,14 +93,20 @@ class GaitRun:
             "says why)"
         ]
         if len(strides):
-            middle = strides[["frequency_hz", "duty_factor"]].median()
-            lines.append(
-                f"median stride frequency {middle['frequency_hz']:.2f} Hz, duty factor "
-                f"{middle['duty_factor']:.2f}"
-            )
-        lines += [f"note: {note}" for note in (*say_no_strides(self.tables), *self.tables.notes)]
+            # each animal counts once, however many strides it took
+            own = strides.groupby("animal")[["frequency_hz", "duty_factor"]].median()
+            frequency, duty = (_say_middle(own[name]) for name in own)
+            lines.append(f"median stride frequency {frequency} Hz, duty factor {duty}")
+        notes = alike_in_one((*say_no_strides(self.tables), *self.tables.notes))
+        lines += [f"note: {note}" for note in notes]
         lines.append(f"wrote {len(self.files)} files to {self.out}")
         return "\n".join(lines)
+
+
+def _say_middle(values: pd.Series[float]) -> str:
+    """Return the median of animals, and between which they lie."""
+    spread = f" (animals: {values.min():.2f} to {values.max():.2f})" if len(values) > 1 else ""
+    return f"{values.median():.2f}{spread}"
 
 
 def run_gait(
@@ -267,7 +274,9 @@ def _findings(
     except InputError as error:
         remarks.append(f"gait is not compared with size: {error}")
         fields = {}
-    remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
+    told = notes_on_sources(sources, request.animals)
+    told += notes_on_trials(sources, tables.events, groups)
+    remarks = [*told, *tables.notes, *remarks]
     tables = dataclasses.replace(tables, notes=tuple(remarks))
     every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further
     return _Findings(tables, every, groups, fields, seen, angles, joints)

@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.edits.log import count_unsaved
+from pawnb.core.edits.log import say_unsaved
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import check_file
 from pawnb.gait import GaitTables
@@ -104,21 +104,44 @@ class GaitSource:
         """Return the same input as that of one animal."""
         if self.events is not None:
             return replace(self, events=self.events.assign(animal=animal), guessed=False)
-        if self.trial is None or (self.tracks is not None and self.tracks.sizes["individual"] > 1):
+        if self.tracks is not None and self.tracks.sizes["individual"] > 1:
+            named = self._of_several(animal.split("+"), self.tracks)
+            return replace(self, tracks=named, guessed=False)
+        trial = self.trial
+        if trial is not None:
+            trial = replace(trial, animal=replace(trial.animal, id=animal))
+        return replace(self, trial=trial, guessed=False)
+
+    def _of_several(self, ids: list[str], tracks: Tracks) -> Tracks:
+        """Return tracks of several animals under other ids."""
+        own = self.animals
+        if len(ids) != len(own) or not all(ids) or len(set(ids)) < len(ids):
             raise InputError(
-                f"{self.path}: these tracks name their animals themselves; leave animals "
-                "(--animals) away."
+                f"{self.path}: these tracks have {len(own)} animals, {', '.join(own)}; name each "
+                "once, joined by + in this order, such as m1+m2, or leave animals (--animals) away."
             )
-        own = replace(self.trial.animal, id=animal)
-        return replace(self, trial=replace(self.trial, animal=own), guessed=False)
+        return tracks.assign_coords(individual=ids)
+
+    @property
+    def animals(self) -> tuple[str, ...]:
+        """Ids of the animals of tracks; none of events."""
+        if self.tracks is None or self.trial is None:
+            return ()
+        if self.tracks.sizes["individual"] == 1:
+            return (self.trial.animal.id,)
+        return tuple(str(one) for one in self.tracks["individual"].to_numpy())
+
+    @property
+    def trial_name(self) -> str:
+        """What the tables call the trial of tracks."""
+        return "trial" if self.trial is None else self.trial.name
 
     def of_name(self, name: str) -> GaitSource:
         """Return the same input under another name of its trial."""
         if self.events is not None:
             return replace(self, events=self.events.assign(trial=name))
-        if self.trial is None:
-            raise InputError(f"{self.path}: tracks of several animals; leave the name away.")
-        return replace(self, trial=replace(self.trial, name=name))
+        trial = self.trial
+        return replace(self, trial=None if trial is None else replace(trial, name=name))
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
@@ -221,32 +244,24 @@ def _tell_unsaved(tracks: Tracks, path: Path) -> None:
     if not file.exists():
         return
     try:
-        n = count_unsaved(tracks, file)
+        said = say_unsaved(tracks, file)
     except PawnbError as error:
         warnings.warn(f"{file}: {str(error).rstrip('.')}.", InputWarning, stacklevel=3)
         return
-    if n:
-        text = (
-            f"{file}: {n} {'correction is' if n == 1 else 'corrections are'} not in the tracks; "
-            "open the review and press Save tracks."
-        )
-        warnings.warn(text, InputWarning, stacklevel=3)
+    if said:
+        warnings.warn(f"{file}: {said}", InputWarning, stacklevel=3)
 
 
-def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:
+def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial, bool]:
     """Return what is known of tracks without a trial, and whether the animal's id is a guess.
 
     The file's name is the trial's (that of its folder, where it is only ``tracks`` or
     ``points3d``), and the animal's too where the file gives it none.
     """
-    if tracks.sizes["individual"] != 1:
-        return None, False  # the file names its animals
-    # DeepLabCut puts the name of its network behind that of the video
-    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
-    if name in ("tracks", "points3d"):
-        name = path.resolve().parent.name
+    name = recording_name(path, program)
     own = str(tracks["individual"].to_numpy()[0])
-    guessed = re.fullmatch(r"animal|(individual|id|track)_?\d+", own) is not None
+    alone = tracks.sizes["individual"] == 1  # else the file names its animals
+    guessed = alone and re.fullmatch(r"animal|(individual|id|track)_?\d+", own) is not None
     trial = Trial(
         kind="tracks",
         name=name,
@@ -256,3 +271,12 @@ def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | No
         tracks_file=path.name,
     )
     return trial, guessed
+
+
+def recording_name(path: Path, program: str) -> str:
+    """Return what the recording is called whose tracks a program wrote into a file."""
+    # DeepLabCut puts the name of its network behind that of the video
+    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
+    if program == "sleap":  # which puts what the file is behind it
+        name = re.sub(r"(?<=.)\.(analysis|predictions)$", "", name)
+    return path.resolve().parent.name if name in ("tracks", "points3d") else name

@@ -9,6 +9,7 @@ from typing import Any
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.files import read_toml
+from pawnb.io.recognise import find_format
 from pawnb.io.tables import read_cells, read_column_names
 from pawnb.schema import shown
 from pawnb.workflow.gait.species import Species, species_of
@@ -79,6 +80,25 @@ class Study:
     settings: Mapping[str, Any] = field(default_factory=dict)
     legs: Mapping[str, str] = field(default_factory=dict)
     species: tuple[Species, ...] = ()
+
+
+def tell_if_meant_as_study(path: Path) -> None:
+    """Refuse a csv that names animals and is neither tracks, events nor a study.
+
+    Raises
+    ------
+    InputError
+        Which column a study lacks.
+    """
+    if path.suffix.lower() != ".csv" or find_format(path) is not None:
+        return
+    names = read_column_names(path, expected="a csv table")
+    events = {"leg", "event", "frame"} & set(names)
+    if "animal" in names and "file" not in names and not events:
+        raise InputError(
+            f"{path}: no tracks. A study needs the columns 'file' (of each trial's tracks) and "
+            f"'animal'; found {', '.join(names)}."
+        )
 
 
 def is_study(path: str | Path) -> bool:

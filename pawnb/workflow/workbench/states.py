@@ -9,9 +9,10 @@ from typing import Literal
 
 import pandas as pd
 
-from pawnb.core.edits.log import EDIT_LINES
+from pawnb.core.edits.log import EDIT_LINES, say_unsaved
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.journal import read_journal
+from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.kinds import kind_of
@@ -48,9 +49,11 @@ class TrialState:
     done : frozenset of str
         Which of :data:`DONE` it is.
     wrong : str
-        Why it cannot be worked on, in words; empty where it can.
+        Why it cannot be worked on, or what was left half done, in words; empty where all is well.
     trial : Trial, optional
         Its description, where that can be read.
+    is_unsaved : bool
+        Whether corrections were made in a review that the tracks lack.
     """
 
     folder: Path
@@ -58,6 +61,7 @@ class TrialState:
     done: frozenset[str]
     wrong: str = ""
     trial: Trial | None = None
+    is_unsaved: bool = False
 
     @property
     def next_step(self) -> Step:
@@ -126,11 +130,13 @@ def state_of(folder: str | Path) -> TrialState:
         wrong = f"tracking failed when it was tried last: {why}"
     if trial.is_tracked_elsewhere or (results / "tracks.nc").exists():
         done.add("tracked")
-    if _has_edits(results / "edits.jsonl") or trial.is_tracked_elsewhere:
+    unsaved = "" if trial.is_tracked_elsewhere else _unsaved(results)
+    if trial.is_tracked_elsewhere or (_has_edits(results / "edits.jsonl") and not unsaved):
         done.add("reviewed")
-    if known_files(results).files_of("gait") and find_fault(results, run="gait") is None:
+    analysed = known_files(results).files_of("gait") and find_fault(results, run="gait") is None
+    if analysed and not unsaved:
         done.add("analysed")
-    return TrialState(path, trial.name, frozenset(done), wrong, trial)
+    return TrialState(path, trial.name, frozenset(done), wrong or unsaved, trial, bool(unsaved))
 
 
 def find_states(folder: str | Path) -> list[TrialState]:
@@ -212,6 +218,17 @@ def _has_start(trial: Trial) -> bool:
         return True
     start = kind_of(trial).start_file(trial)
     return start is not None and trial.path(start).exists()
+
+
+def _unsaved(results: Path) -> str:
+    """Say how many corrections were made in a review that the tracks lack; empty where none."""
+    file, tracks = results / "edits.jsonl", results / "tracks.nc"
+    if not (file.exists() and tracks.exists()):
+        return ""
+    try:
+        return say_unsaved(read_tracks(tracks), file)
+    except PawnbError:
+        return ""  # opening the review says what is wrong with either
 
 
 def _has_edits(path: Path) -> bool:

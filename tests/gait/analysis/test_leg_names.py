@@ -2,7 +2,9 @@
 
 import pytest
 
-from pawnb.gait.analysis.leg_names import guess_legs
+from pawnb.errors import InputError
+from pawnb.gait.analysis.leg_names import choose_legs, guess_legs, overlooked_points
+from pawnb.schema import make_tracks
 
 
 @pytest.mark.parametrize(
@@ -30,6 +32,24 @@ from pawnb.gait.analysis.leg_names import guess_legs
         (["front left paw", "hind_left (paw)", "HR", "HR paw"],
          {"HR": "HR", "FL": "front left paw", "HL": "hind_left (paw)"}),
         (["L1", "R1", "front left paw"], {"L1": "L1", "R1": "R1"}),
+        # rear and back legs by their letters, beside those of the front ones (CatWalk, DigiGait)
+        (["FL", "FR", "RL", "RR"], {"FL": "FL", "FR": "FR", "HL": "RL", "HR": "RR"}),
+        (["LF", "RF", "LR", "RR"], {"LF": "LF", "RF": "RF", "LH": "LR", "RH": "RR"}),
+        (["paw_fl", "paw_fr", "paw_bl"], {"FL": "paw_fl", "FR": "paw_fr", "HL": "paw_bl"}),
+        (["FL", "HL", "RR"], {"FL": "FL", "HL": "HL"}),
+        # "fr" is short for front where the side is said besides
+        (["l_fr_paw", "r_fr_paw", "l_hd_paw"],
+         {"FL": "l_fr_paw", "FR": "r_fr_paw", "HL": "l_hd_paw"}),
+        (["r_fl_paw"], {}),
+        # legs that are counted; an ear's tip and the toes of a paw are counted, too
+        (["claw_L1", "tibia_tarsus_L1", "R4_tip", "leg2L"],
+         {"L1": "claw_L1", "R4": "R4_tip", "L2": "leg2L"}),
+        (["ear_tip_L1", "left_toe1"], {}),
+        (["rfpaw", "lhpaw"], {"FR": "rfpaw", "HL": "lhpaw"}),
+        # nothing but side and place: all four, else it may be a part of the back
+        (["left_front", "left_back", "right_front", "RightBack"],
+         {"FL": "left_front", "HL": "left_back", "FR": "right_front", "HR": "RightBack"}),
+        (["left_back", "right_back"], {}),
         # no side, or no leg: nothing is guessed
         (["Nose", "Ear base", "Hind paw tao"], {}),
         (["left_ear", "right_ear", "back", "tail_front"], {}),
@@ -37,3 +57,31 @@ from pawnb.gait.analysis.leg_names import guess_legs
 )  # fmt: skip
 def test_feet_are_found_by_their_names(points, legs):
     assert guess_legs(points) == legs
+
+
+@pytest.mark.parametrize(
+    ("points", "left_out"),
+    [
+        (["FR", "FL", "left paw", "snout", "tail tip"], ["left paw"]),
+        (["FR_paw", "FL_paw", "hind1_paw", "FR_wrist"], ["hind1_paw"]),
+        # all points of legs that are there
+        (["LF_Claw", "LF_Tarsus", "RM_Claw", "eye_L"], []),
+        # a leg of another kind than the others
+        (["L1", "R1", "front left paw"], []),
+    ],
+)
+def test_points_that_may_be_feet_and_are_left_out_are_found(points, left_out):
+    assert overlooked_points(points, guess_legs(points)) == left_out
+
+
+def test_the_message_takes_a_point_of_a_limb_for_its_example():
+    tracks = make_tracks([0, 1], ["snout", "Hind paw tao", "Tail tip"], fps=100.0, unit="px")
+    with pytest.raises(InputError, match="--legs HR='Hind paw tao'"):
+        choose_legs(tracks)
+
+
+def test_legs_that_are_chosen_by_their_names_are_the_points_of_these_legs():
+    points = ["forepaw_R", "hindpaw_R", "hindpaw_L", "tip"]
+    tracks = make_tracks([0, 1], points, fps=100.0, unit="px")
+    assert choose_legs(tracks, legs=["HR", "HL"]) == {"HR": "hindpaw_R", "HL": "hindpaw_L"}
+    assert choose_legs(tracks, legs=["tip"]) == {"tip": "tip"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 
 import pandas as pd
 import pytest
@@ -237,3 +238,28 @@ def test_a_wrong_setting_of_the_analysis_is_found_before_the_trial_is_tracked(sm
     assert [fault.split(";")[0] for fault in faults] == [
         "[gait]: unknown setting 'min_stanse_s' (did you mean 'min_stance_s'?)"
     ]
+
+
+def test_cameras_of_pictures_of_another_size_are_doubted(rendered_trial, tmp_path):
+    """The videos are 410 x 140 px; of cam2 it is said, of cam1 the size fits."""
+    cameras = "".join(
+        f'[cam_{k}]\nname = "cam{k + 1}"\nsize = [{size}]\n'
+        f"matrix = [[300.0, 0, 205.0], [0, 300.0, 70.0], [0, 0, 1]]\n"
+        f"distortions = [0, 0, 0, 0, 0]\nrotation = [0.0, {0.2 * k}, 0.0]\n"
+        f"translation = [{10.0 * k}, 0.0, 500.0]\n"
+        for k, size in enumerate(("410, 140", "820, 280"))
+    )
+    (tmp_path / "cal.toml").write_text(cameras)
+    views = "".join(
+        f'[[views]]\nname = "{name}"\nvideo = "{(rendered_trial / f"{name}.avi").as_posix()}"\n'
+        for name in ("cam1", "cam2")
+    )
+    shutil.copy(rendered_trial / "truth" / "tracks.csv", tmp_path)
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nname = "t"\nkind = "tracks"\nfps = 100\n[tracks]\nfile = "tracks.csv"\n'
+        f'{views}[calibration]\nanipose = "cal.toml"\n'
+    )
+    report = check_trial(tmp_path)
+    (doubt,) = [doubt for doubt in report.doubts if "calibrated with pictures" in doubt]
+    assert "camera 'cam2' was calibrated with pictures of 820 x 280 px" in doubt
+    assert "the video of that view has 410 x 140" in doubt

@@ -144,6 +144,17 @@ def test_points_of_programs_that_are_left_out_are_said(rendered_trial, tmp_path)
         read_foreign_tracks(trial)
 
 
+def test_views_that_do_not_agree_at_all_are_refused_with_what_to_look_at(rendered_trial, tmp_path):
+    """Else one view in px would stand in for space: here the cameras are in the wrong order."""
+    shutil.copy(rendered_trial / "truth" / "tracks.csv", tmp_path)
+    rows = (rendered_trial / "DLTcoefs.csv").read_text().split()
+    cells = [row.split(",") for row in rows]
+    swapped = [",".join([*row[1:], row[0]]) for row in cells]
+    (tmp_path / "DLTcoefs.csv").write_text("\n".join(swapped) + "\n")
+    with pytest.raises(CalibrationError, match=r"Is each file that of its view, .* --judge"):
+        read_foreign_tracks(write_trial(tmp_path, "tracks.csv"))
+
+
 # --- real digitised trials ------------------------------------------------------------------------
 
 

@@ -360,5 +360,5 @@ def test_what_is_no_list_of_inputs_animals_or_legs_is_one_sentence(results, argu
 
 def test_one_trial_given_twice_is_refused(results):
     """Its strides would count twice."""
-    with pytest.raises(InputError, match=r"animal 'm1', trial 't1' is there twice"):
+    with pytest.raises(InputError, match=r"tracks.nc is named twice"):
         run_gait([results, results], figures="none")

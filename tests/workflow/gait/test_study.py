@@ -43,6 +43,12 @@ gait = { min_stance_s = 0.02 }
 """
 
 
+def test_a_study_without_its_column_is_told_what_it_lacks(tmp_path):
+    (tmp_path / "study.csv").write_text("recording,animal,fps\na.csv,m1,200\n")
+    with pytest.raises(InputError, match=r"A study needs the columns 'file' .* found recording, "):
+        run_gait(tmp_path / "study.csv")
+
+
 def scored(path, *, legs=("FR", "FL"), period_s=0.2, duty=0.6, strides=6):
     """Events that a person might have scored: left legs half a stride after right ones."""
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from pawnb import InputError
+from pawnb import InputError, load_trial
+from pawnb.core.edits.log import replay
+from pawnb.core.rig import load_rig
 from pawnb.io.native import write_tracks
 from pawnb.workflow.lab import lab_command
 from pawnb.workflow.provenance.manifest import writing_results
@@ -46,9 +48,8 @@ def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
     results.mkdir()
     write_tracks(scene.true_tracks(), results / "tracks.nc")
     assert seen() == ({"started", "tracked"}, "review")
-    (results / "edits.jsonl").write_text(
-        '{"edit": "hide", "frame": 1, "view": "cam1", "point": "FR"}\n'
-    )
+    accept = '{"edit": "accept", "frame": 1, "view": "cam1", "point": "FR"}\n'
+    (results / "edits.jsonl").write_text(accept)
     assert seen() == ({"started", "tracked", "reviewed"}, "gait")
     with writing_results(results, run="gait", steps=[{"step": "gait"}]) as staging:
         (staging / "events.csv").write_text("x\n")
@@ -56,6 +57,27 @@ def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
     assert state_of(folder / "trial.toml").steps[0] == "look"
     (results / "events.csv").unlink()  # no longer whole
     assert seen()[1] == "gait"
+
+
+def test_corrections_that_are_not_saved_are_said_and_come_next(folder):
+    (folder / "start.csv").write_text("frame,view,point,u,v\n")
+    results = folder / "results"
+    results.mkdir()
+    write_tracks(scene.true_tracks(), results / "tracks.nc")
+    with writing_results(results, run="gait", steps=[{"step": "gait"}]) as staging:
+        (staging / "events.csv").write_text("x\n")
+    assert "analysed" in state_of(folder).done
+    hidden = '{"edit": "hide", "frame": %d, "view": "cam1", "point": "FR"}\n'
+    (results / "edits.jsonl").write_text(hidden % 1 + hidden % 2)
+    state = state_of(folder)
+    said = "2 corrections are not in the tracks; open the review and press Save tracks."
+    assert (state.wrong, state.next_step, state.is_unsaved) == (said, "review", True)
+    assert not state.done & {"reviewed", "analysed"}
+    rig = load_rig(load_trial(folder))
+    saved = replay(scene.true_tracks(), results / "edits.jsonl", rig=rig)
+    write_tracks(saved, results / "tracks.nc")
+    assert state_of(folder).wrong == ""
+    assert "reviewed" in state_of(folder).done
 
 
 def test_what_is_wrong_is_said_in_words(folder):

@@ -181,7 +181,7 @@ def _gains(
     mean = wont.mean(axis=1, keepdims=True)
     at_all = np.clip(np.log(mean[:, 0] * h * w), -LINKS.most_there, LINKS.most_there / 2)
     log = (there + at_all)[:, None] + trust * name + np.log(motion)
-    m = one.whole or len(t)
+    m = one.rows_before_cut or len(t)
     gains = log.sum(axis=0) / (1 + (m - 1) * alike)
     return np.asarray(gains + np.log(wont / mean).sum(axis=0) / m)
 

@@ -33,15 +33,15 @@ class ViewTracklet:
         Places of the grid (x, y) in rows ``begin`` to ``end``.
     first_step, last_step : ndarray, shape (2,)
         Velocity at its begin and at its end, in places per row.
-    whole : int, optional
-        Rows of the tracklet that it was cut from; its own, otherwise.
+    rows_before_cut : int, optional
+        How many rows the tracklet had that it was cut from; 0 where it was not cut.
     """
 
     begin: int
     places: FloatArray
     first_step: FloatArray
     last_step: FloatArray
-    whole: int = 0
+    rows_before_cut: int = 0
 
     @property
     def end(self) -> int:
@@ -66,10 +66,10 @@ class ViewTracklet:
             return [self]
         near = self.places[max(0, m - LINKS.velocity_rows) : m + LINKS.velocity_rows]
         step = (near[-1] - near[0]) / (len(near) - 1)
-        whole = self.whole or len(self.places)
+        before = self.rows_before_cut or len(self.places)
         return [
-            ViewTracklet(self.begin, self.places[:m], self.first_step, step, whole),
-            ViewTracklet(row, self.places[m:], step, self.last_step, whole),
+            ViewTracklet(self.begin, self.places[:m], self.first_step, step, before),
+            ViewTracklet(row, self.places[m:], step, self.last_step, before),
         ]
 
 

@@ -76,7 +76,7 @@ class DutyFactor:
 
     def is_usual(self, stride: float) -> bool:
         """Tell whether a stride is about as long as most."""
-        return self.stride / STRIDE.odd < stride < self.stride * STRIDE.odd
+        return self.stride / STRIDE.unusual_ratio < stride < self.stride * STRIDE.unusual_ratio
 
 
 def learn_duty_factor(
@@ -106,7 +106,7 @@ def learn_duty_factor(
         return None
     length = np.array([stride for _, _, stride in strides], dtype=float)
     usual = float(np.median(length))
-    kept = (length > usual / STRIDE.odd) & (length < usual * STRIDE.odd)
+    kept = (length > usual / STRIDE.unusual_ratio) & (length < usual * STRIDE.unusual_ratio)
     shares = {}
     for kind in set(kinds):
         own = [k and of == kind for k, (of, _, _) in zip(kept, strides, strict=True)]

@@ -30,7 +30,7 @@ class StrideParameters:
         Neighbouring frames of a stride that err alike. Set by hand.
     duty_factor_least : int
         Strides of a kind of paw from which its share is learnt. Set by hand.
-    odd : float
+    unusual_ratio : float
         A stride or a swing this many times as long as the usual one, or as short, teaches nothing:
         a stance was missed. Set by hand.
     duty_factor_covered : float
@@ -183,7 +183,7 @@ class StrideParameters:
     cycle_ridge: float = 0.1
     cycle_alike: float = 5.0
     duty_factor_least: int = 2
-    odd: float = 1.5
+    unusual_ratio: float = 1.5
     duty_factor_covered: float = 0.35
     duty_factor_finest: float = 0.02
     like_others: float = 0.02

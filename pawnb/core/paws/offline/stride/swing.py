@@ -159,7 +159,7 @@ def _usual(swings: Sequence[Swing]) -> list[Swing]:
         return []
     lasts = np.array([land - lift for lift, land in (one.times for one in swings)])
     usual = float(np.median(lasts))
-    usually = (lasts > usual / STRIDE.odd) & (lasts < usual * STRIDE.odd)
+    usually = (lasts > usual / STRIDE.unusual_ratio) & (lasts < usual * STRIDE.unusual_ratio)
     return [one for one, kept in zip(swings, usually, strict=True) if kept]
 
 

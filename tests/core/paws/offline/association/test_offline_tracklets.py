@@ -129,6 +129,6 @@ def test_where_another_comes_out_beside_it_either_may_have_gone_on():
     found = cut_at_meetings([one, hidden, far, again], RADIUS)
     parts = [cut for cut in found if cut.places[0, 1] == 8.0]
     assert [(cut.begin, cut.end) for cut in parts] == [(0, 9), (10, 14), (15, 30)]
-    assert {cut.whole for cut in parts} == {31}
+    assert {cut.rows_before_cut for cut in parts} == {31}
     assert len(found) == 6
     assert all(any(cut is own for cut in found) for own in (hidden, again, far))

@@ -1,0 +1,185 @@
+"""What a reader must know of the inputs of a gait analysis: whose they are, their unit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from pawnb.arrays import FloatArray
+from pawnb.io.format_table import find_entry
+from pawnb.io.formats import recognise_format
+from pawnb.schema import Tracks
+from pawnb.workflow.gait.sources import GaitSource
+
+_MOST = 0.5
+"""Share of the trials that have a leg, from which on the others lack it."""
+_COMPARED_FRAMES = 200
+_SAME_SHARE = 0.1
+"""Tracks of two files are of one recording where they differ by less than this share of how far
+their points move. Set by hand: a median filter of DeepLabCut's leaves a hundredth."""
+
+
+def notes_on_sources(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
+    """Say what was taken for granted of the inputs, or looks wrong in them.
+
+    Parameters
+    ----------
+    sources : sequence of GaitSource
+        The inputs.
+    animals : sequence of str or None
+        Ids that were given.
+
+    Returns
+    -------
+    list of str
+        The notes.
+    """
+    whose = [] if animals is not None else [*_who_is_who(sources), *_same_names(sources)]
+    return [*whose, *_same_recordings(sources), *_units_taken(sources)]
+
+
+def notes_on_trials(
+    sources: Sequence[GaitSource], events: pd.DataFrame, groups: Mapping[tuple[str, str], str]
+) -> list[str]:
+    """Say what makes trials that are pooled or compared unlike each other.
+
+    Parameters
+    ----------
+    sources : sequence of GaitSource
+        The inputs.
+    events : pandas.DataFrame
+        Events of all trials.
+    groups : mapping
+        Group of each animal and trial, where there are any.
+
+    Returns
+    -------
+    list of str
+        The notes.
+    """
+    return [*_missing_legs(events), *_rates_of_groups(sources, groups)]
+
+
+def _missing_legs(events: pd.DataFrame) -> list[str]:
+    """Say which trials lack a leg that most others have."""
+    trials = [events["animal"].astype(str), events["trial"].astype(str)]
+    has = pd.crosstab(trials, events["leg"].astype(str)) > 0
+    notes = []
+    for leg in has.columns[~has.all() & (has.mean() > _MOST)]:
+        without = ", ".join(dict.fromkeys(trial for _, trial in has.index[~has[leg]]))
+        animals = has[leg].groupby(level=0).any()
+        notes.append(
+            f"{leg} has no event in {without}: what is said of it counts {int(animals.sum())} of "
+            f"{len(animals)} animals."
+        )
+    return notes
+
+
+def _rates_of_groups(
+    sources: Sequence[GaitSource], groups: Mapping[tuple[str, str], str]
+) -> list[str]:
+    """Say where groups that are compared were filmed at different frame rates."""
+    rates: dict[str, set[float]] = {}
+    for source in sources:
+        for animal in source.animals:
+            group = groups.get((animal, source.trial_name))
+            if group is not None and source.tracks is not None:
+                rates.setdefault(group, set()).add(float(source.tracks.attrs["fps"]))
+    if len({frozenset(own) for own in rates.values()}) < 2:
+        return []
+    said = ", ".join(
+        f"{group} at {' and '.join(f'{fps:g}' for fps in sorted(own))}"
+        for group, own in rates.items()
+    )
+    return [
+        f"groups were filmed at different rates ({said} frames a second): instants are as exact as "
+        "the frames are close, and filters may differ, so that a part of the difference may be "
+        "that of the cameras; cutoff_hz gives all the same filter."
+    ]
+
+
+def _who_is_who(sources: Sequence[GaitSource]) -> list[str]:
+    """Say where files that name no animal were counted as animals of their own."""
+    guessed = [
+        source.trial.animal.id if source.trial is not None else source.path.stem
+        for source in sources
+        if source.guessed
+    ]
+    if len(sources) < 2 or not guessed:
+        return []
+    return [
+        f"these files do not name their animal, so each counts as one of its own: "
+        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
+        "one id for each input."
+    ]
+
+
+def _units_taken(sources: Sequence[GaitSource]) -> list[str]:
+    """Say of which files lengths are taken to be in mm, though nothing says so."""
+    files = [source.path.name for source in sources if _lacks_unit(source)]
+    if not files:
+        return []
+    return [
+        f"lengths of {', '.join(files)} are taken to be in mm, as such a file does not say its "
+        "unit. Where they are in another: name the file in a trial.toml of kind 'tracks', with "
+        'its unit below [calibration] (unit = "m").'
+    ]
+
+
+def _lacks_unit(source: GaitSource) -> bool:
+    """Whether points in space come from a file without a unit, and no trial says one."""
+    tracks, trial = source.tracks, source.trial
+    if tracks is None or tracks.sizes["space"] != 3:
+        return False
+    if trial is not None and trial.calibration is not None:
+        return False
+    entry = find_entry(recognise_format(source.path))
+    # C3D, the one of these that says its frame rate, says its unit as well
+    return "unit" in entry.reads_with and not entry.says_fps
+
+
+def _same_names(sources: Sequence[GaitSource]) -> list[str]:
+    """Say which animals of files with several are in more than one of them."""
+    named = [s.animals for s in sources if s.of_trial is None and len(s.animals) > 1]
+    seen = [animal for animals in named for animal in animals]
+    shared = [animal for animal in dict.fromkeys(seen) if seen.count(animal) > 1]
+    if not shared:
+        return []
+    return [
+        f"{', '.join(shared)}: in several files, and counted as the same animals. Where a program "
+        "only numbered the animals of each file, say who they are with --animals, such as m1+m2 "
+        "m3+m4 of two files with two animals each."
+    ]
+
+
+def _same_recordings(sources: Sequence[GaitSource]) -> list[str]:
+    """Say which two files hold the same tracks, which would count as two trials."""
+    places = [(source, _places(source.tracks)) for source in sources if source.tracks is not None]
+    return [
+        f"{one.given.name} ({one.trial_name}) and {other.given.name} ({other.trial_name}) hold the "
+        "same tracks and count as two trials; of one recording name one file only."
+        for (one, a), (other, b) in combinations(places, 2)
+        if _are_same(a, b)
+    ]
+
+
+def _places(tracks: Tracks) -> FloatArray:
+    """Return where the points are, in some of the frames."""
+    places = tracks["position"].transpose("time", "individual", "keypoint", "space").to_numpy()
+    return np.asarray(places[:: max(1, len(places) // _COMPARED_FRAMES)], dtype=float)
+
+
+def _are_same(one: FloatArray, other: FloatArray) -> bool:
+    """Whether two tracks are hardly apart, for how far their points move."""
+    if one.shape != other.shape:
+        return False
+    known = np.isfinite(one) & np.isfinite(other)
+    if not known.any():
+        return False
+    n = known.sum(axis=0)
+    about = np.where(known, one, 0.0).sum(axis=0) / np.maximum(1, n)
+    moved = float(np.median(np.abs(one - about)[known]))
+    return moved > 0.0 and float(np.median(np.abs(one - other)[known])) < _SAME_SHARE * moved

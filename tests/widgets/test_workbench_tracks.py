@@ -1,0 +1,129 @@
+"""Gait of other programs' tracks in the workbench: alone, beside trials, whose files they are."""
+
+import csv
+import shutil
+
+import ipywidgets as widgets
+import numpy as np
+import pytest
+import small_trial as scene
+
+import pawnb
+
+FL_TO_FR = ("FL", "FR")
+
+
+@pytest.fixture
+def opened():
+    """Open workbenches, and close them after the test."""
+    benches = []
+
+    def open_it(*args, **options):
+        benches.append(pawnb.Workbench(*args, **options))
+        return benches[-1]
+
+    yield open_it
+    for bench in benches:
+        bench.close()
+
+
+@pytest.fixture
+def described(tmp_path):
+    """A trial of three views, started, in the folder itself."""
+    scene.describe_trial(tmp_path / "m1")
+    (tmp_path / "m1" / "start.csv").write_text("frame,view,point,u,v\n0,cam1,FR,1,1\n")
+    return tmp_path / "m1"
+
+
+def open_form(bench):
+    buttons = {getattr(child, "description", ""): child for child in bench._head.children}
+    buttons["Gait of the tracks here"].click()
+    return bench.tool
+
+
+@pytest.mark.parametrize("name", ["dlc_single.csv", "sleap.analysis.h5"])
+def test_tracks_of_other_programs_lead_to_their_gait(real_data, tmp_path, opened, name):
+    """Phases of the file's formula: FL is 3 rad before FR in a cycle."""
+    shutil.copy(real_data("peer-files") / name, tmp_path)
+    (tmp_path / "other.csv").write_text("a,b\n1,2\n")
+    bench = opened(tmp_path)
+    bench._head.children[1].click()
+    form = bench.tool
+    assert [label for label, _ in form.files.options] == [name]
+    form.analyse()
+    assert "expected a number, such as 200" in form.told.value
+    form.fps.value = "100"
+    form.analyse()
+    bench.work.wait(120)
+    shown = [line.value for line in bench.tool.tool.children if isinstance(line, widgets.Label)]
+    assert "strides of" in shown[0]
+    assert any("told from the swing of its feet" in line for line in shown)
+    with (tmp_path / "results" / "phases.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if (row["leg"], row["reference"]) == FL_TO_FR]
+    assert rows
+    for row in rows:
+        assert float(row["phase"]) == pytest.approx(1 - 3 / (2 * np.pi), abs=0.01)
+
+
+def test_tracks_of_other_programs_are_offered_beside_trials(real_data, described, opened):
+    """Those that the trial names, and its clicks, are its own."""
+    for name in ("dlc_single.csv", "sleap.csv"):
+        shutil.copy(real_data("peer-files") / name, described)
+    bench = opened(described)
+    assert [path.name for path in bench.session.track_files()] == ["dlc_single.csv", "sleap.csv"]
+    (described / "results").mkdir()
+    (described / "results" / "events.csv").write_text("those of the trial")
+    open_form(bench)
+    bench.tool.files.value = [str(described / "dlc_single.csv")]
+    bench.tool.fps.value = "100"
+    bench.tool.analyse()
+    bench.work.wait(120)
+    assert "strides of" in bench.tool.tool.children[0].value
+    assert (described / "results" / "events.csv").read_text() == "those of the trial"
+    assert (described / "results_of_tracks" / "events.csv").exists()
+    (described / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "d"\nfps = 100\n[animal]\nid = "d"\nspecies = "mouse"\n'
+        '[tracks]\nfile = "dlc_single.csv"\n'
+    )
+    bench.look_again()
+    assert [path.name for path in bench.session.track_files()] == ["sleap.csv"]
+
+
+def test_files_of_one_animal_and_legs_by_other_names_are_told(real_data, tmp_path, opened):
+    for name in ("a.csv", "b.csv", "c.csv"):
+        text = (real_data("peer-files") / "dlc_single.csv").read_text()
+        (tmp_path / name).write_text(text.replace("FR", "paw 1").replace("HL", "paw 2"))
+    bench = opened(tmp_path)
+    form = open_form(bench)
+    form.fps.value = "100"
+    form.legs.value = "FR="
+    form.analyse()
+    assert "expected LEG=POINT" in form.told.value
+    form.legs.value, form.animals.value = "FR=paw 1, HL=paw 2, HR, FL", "m1, m1"
+    form.analyse()
+    bench.work.wait(60)
+    assert "3" in bench._told.value
+    assert "animals" in bench._told.value
+    assert bench.tool is form  # what was typed stays
+    form.animals.value, form.groups.value = "m1, m1, m2", "old, old, young"
+    form.analyse()
+    bench.work.wait(120)
+    with (tmp_path / "results" / "strides.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert {(row["animal"], row["group"]) for row in rows} == {("m1", "old"), ("m2", "young")}
+    assert {row["leg"] for row in rows} == {"FR", "HL"}
+
+
+def test_one_file_of_each_recording_is_chosen(real_data, tmp_path, opened):
+    peers = real_data("peer-files")
+    for source, name in (
+        ("dlc_single.csv", "m1DLC_x.csv"), ("dlc_single.h5", "m1DLC_x.h5"),
+        ("dlc_single.csv", "m1DLC_x_filtered.csv"), ("sleap.slp", "m2.slp"),
+        ("sleap.analysis.h5", "m2.analysis.h5"), ("anipose_3d.csv", "m3.csv"),
+    ):  # fmt: skip
+        shutil.copy(peers / source, tmp_path / name)
+    form = open_form(opened(tmp_path))
+    assert len(form.files.options) == 6
+    assert [name.rpartition("/")[2] for name in form.files.value] == [
+        "m1DLC_x.csv", "m2.analysis.h5", "m3.csv",
+    ]  # fmt: skip

@@ -1,0 +1,127 @@
+"""Which files are said to be of one recording, of one animal, or to lack their unit."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pytest
+from trotting import FPS, walking_tracks
+
+from pawnb.errors import InputError
+from pawnb.io.native import write_tracks
+from pawnb.schema import make_tracks
+from pawnb.synthetic import write_deeplabcut_sample
+from pawnb.workflow.gait.run import run_gait
+
+
+@pytest.fixture
+def sample(tmp_path):
+    write_deeplabcut_sample(tmp_path / "s", animals=2)
+    return tmp_path / "s"
+
+
+def notes(files, out, **options):
+    run = run_gait(files, out=out, figures="none", **options)
+    return run, [str(note) for note in run.tables.notes]
+
+
+def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_hold(sample):
+    one, two = sample / "m01DLC.csv", sample / "m02DLC.csv"
+    smooth = sample / "m01DLC_resnet50_May1shuffle1_1000_filtered.csv"
+    shutil.copy(one, smooth)
+    with pytest.raises(InputError, match=r"m01DLC.csv and .*_filtered.csv are both trial 'm01' of"):
+        run_gait([one, two, smooth], fps=200.0, out=sample / "out", figures="none")
+    # as another program would call it, and with decimals cut off
+    lines = one.read_text().splitlines()
+    rounded = [",".join(cell[:6] for cell in line.split(",")) for line in lines[3:]]
+    (sample / "again.csv").write_text("\n".join([*lines[:3], *rounded]) + "\n")
+    _, said = notes([one, two, sample / "again.csv"], sample / "out", fps=200.0)
+    same = [note for note in said if "hold the same tracks" in note]
+    assert len(same) == 1
+    assert same[0].startswith("m01DLC.csv (m01) and again.csv (again) hold the same tracks")
+
+
+def test_the_first_lines_count_animals_and_not_strides(sample):
+    """m02 is given half of its frame rate, and repeats: most strides are at half the frequency."""
+    rows = ["file,animal,fps", "m01DLC.csv,m01,200", "m02DLC.csv,m02,100"]
+    rows += [f"m02-{k}DLC.csv,m02,100" for k in range(2)]
+    for k in range(2):
+        shutil.copy(sample / "m02DLC.csv", sample / f"m02-{k}DLC.csv")
+    (sample / "study.csv").write_text("\n".join(rows) + "\n")
+    run = run_gait(sample / "study.csv", out=sample / "out", figures="none")
+    own = run.tables.strides.groupby("animal")["frequency_hz"].median()
+    assert own["m01"] == pytest.approx(2 * own["m02"], rel=0.05)
+    middle = f"{own.mean():.2f} (animals: {own['m02']:.2f} to {own['m01']:.2f}) Hz"
+    assert f"median stride frequency {middle}" in run.text()
+
+
+def test_animals_of_several_files_with_several_are_named_apart(real_data, tmp_path):
+    files = [tmp_path / f"{name}DLC.csv" for name in ("v1", "v2")]
+    for file in files:
+        shutil.copy(real_data("peer-files") / "dlc_multi.csv", file)
+    run, said = notes(files, tmp_path / "a", fps=100.0)
+    who = run.tables.events[["animal", "trial"]].drop_duplicates().to_numpy().tolist()
+    assert who == [[m, v] for v in ("v1", "v2") for m in ("mouse1", "mouse2")]
+    assert any(note.startswith("mouse1, mouse2: in several files, and counted") for note in said)
+    run, said = notes(files, tmp_path / "b", fps=100.0, animals=["a+b", "c+d"])
+    assert run.tables.events["animal"].unique().tolist() == ["a", "b", "c", "d"]
+    assert not any("in several files" in note for note in said)
+    for wrong in ("a", "a+a", "a+"):
+        with pytest.raises(InputError, match=r"have 2 animals, mouse1, mouse2; name each once"):
+            run_gait(files, fps=100.0, out=tmp_path / "c", animals=[wrong, "c+d"])
+
+
+def test_a_unit_that_a_file_does_not_say_is_said_to_be_taken_and_can_be_told(real_data, tmp_path):
+    file = real_data("peer-files") / "anipose_3d.csv"
+    taken = "lengths of anipose_3d.csv are taken to be in mm"
+    run = run_gait([file], fps=100.0, out=tmp_path / "a", figures="none")
+    assert [note for note in run.tables.notes if taken in str(note)]
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nname = "t"\nkind = "tracks"\nfps = 100\n[animal]\nid = "t"\nspecies = "mouse"\n'
+        f'[tracks]\nfile = "{file}"\n[calibration]\nunit = "m"\n'
+    )
+    told = run_gait([tmp_path], out=tmp_path / "b", figures="none")
+    assert not [note for note in told.tables.notes if "are taken to be" in str(note)]
+    assert any(" m/s" in str(note) for note in told.tables.notes)
+
+
+def test_what_makes_trials_unlike_is_said_and_what_all_share_once(tmp_path):
+    files = write_deeplabcut_sample(tmp_path / "s", animals=5, seconds=1.5)
+    lines = files[1].read_text().splitlines()
+    last = {k for k, name in enumerate(lines[1].split(",")) if name == "hindpaw_L"}
+    kept = [[c for k, c in enumerate(line.split(",")) if k not in last] for line in lines]
+    files[1].write_text("\n".join(",".join(cells) for cells in kept) + "\n")
+    rows = ["file,animal,group,fps"]
+    for k, file in enumerate(files):
+        rows.append(f"{file.name},m{k},{'ab'[k > 2]},{200 - 50 * (k > 2)}")
+    (tmp_path / "s" / "study.csv").write_text("\n".join(rows) + "\n")
+    run, said = notes(tmp_path / "s" / "study.csv", tmp_path / "out")
+    assert "HL has no event in m02: what is said of it counts 4 of 5 animals." in said
+    # that of the trial which lacks it is not on the pages of other animals
+    assert any(note.startswith("m02: legs were guessed from the names") for note in said)
+    assert any("(a at 200, b at 150 frames a second)" in note for note in said)
+    # in the first lines what is said of every trial stands once; in notes.csv of each
+    low = "positions with a confidence below 0.6 count as missing."
+    assert run.text().count(low) == 1
+    assert f"m01: {low} The like is said of 4 more trials (notes.csv)." in run.text()
+    assert (tmp_path / "out" / "notes.csv").read_text().count(low) == 5
+
+
+def test_a_leg_without_a_place_in_space_is_named_with_what_to_do(tmp_path):
+    walk = walking_tracks("t1", "m1")
+    frames, points = walk["frame"].to_numpy(), [str(p) for p in walk["keypoint"].to_numpy()]
+    tracks = make_tracks(frames, points, fps=FPS, individual="m1", unit="mm", views=["cam1"])
+    tracks["position"][:] = walk["position"].to_numpy()
+    tracks["confidence"][:] = 1.0
+    tracks["position"][:, :, 3] = np.nan
+    tracks["image_position"][:] = np.random.default_rng(0).normal(
+        100.0, 9.0, tracks["image_position"].shape
+    )
+    tracks["image_confidence"][:] = 1.0
+    write_tracks(tracks, tmp_path / "tracks.nc")
+    with pytest.raises(InputError, match=rf"in space there is no place of {points[3]},") as error:
+        run_gait(tmp_path / "tracks.nc", figures="none")
+    kept = str(error.value).partition("--legs ")[2].partition(")")[0].split()
+    run = run_gait(tmp_path / "tracks.nc", figures="none", legs=kept)
+    assert set(run.tables.strides["leg"]) == set(kept)
