@@ -65,6 +65,7 @@ def test_tracks_of_other_programs_lead_to_their_gait(real_data, tmp_path, opened
         assert float(row["phase"]) == pytest.approx(1 - 3 / (2 * np.pi), abs=0.01)
 
 
+@pytest.mark.slow
 def test_tracks_of_other_programs_are_offered_beside_trials(real_data, described, opened):
     """Those that the trial names, and its clicks, are its own."""
     for name in ("dlc_single.csv", "sleap.csv"):
@@ -89,6 +90,7 @@ def test_tracks_of_other_programs_are_offered_beside_trials(real_data, described
     assert [path.name for path in bench.session.track_files()] == ["sleap.csv"]
 
 
+@pytest.mark.slow
 def test_files_of_one_animal_and_legs_by_other_names_are_told(real_data, tmp_path, opened):
     for name in ("a.csv", "b.csv", "c.csv"):
         text = (real_data("peer-files") / "dlc_single.csv").read_text()

@@ -85,13 +85,13 @@ class GaitRun:
     def text(self) -> str:
         """Return what was found and written, in a few lines."""
         strides, dropped = self.tables.strides, self.tables.dropped
-        animals = strides["animal"].nunique()
-        legs = strides["leg"].nunique()
-        lines = [
-            f"{len(strides)} strides of {legs} legs of {animals} "
-            f"{'animal' if animals == 1 else 'animals'}; {len(dropped)} dropped (dropped.csv "
-            "says why)"
-        ]
+        what = {
+            "stride": len(strides),
+            "leg": strides["leg"].nunique(),
+            "animal": strides["animal"].nunique(),
+        }
+        counted = " of ".join(f"{n} {one if n == 1 else f'{one}s'}" for one, n in what.items())
+        lines = [f"{counted}; {len(dropped)} dropped (dropped.csv says why)"]
         if len(strides):
             # each animal counts once, however many strides it took
             own = strides.groupby("animal")[["frequency_hz", "duty_factor"]].median()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import numpy as np
@@ -47,6 +48,9 @@ def test_tables_have_the_columns_of_the_contract(results):
     assert summary["n_animals"].eq(1).all()
     assert summary[["ci_low", "ci_high", "rayleigh_p"]].isna().all(axis=None)
     assert "median stride frequency 5.00 Hz, duty factor 0.6" in run.text()
+    assert run.text().startswith(f"{len(strides)} strides of 4 legs of 1 animal; ")
+    one = dataclasses.replace(run, tables=dataclasses.replace(run.tables, strides=strides[:1]))
+    assert one.text().startswith("1 stride of 1 leg of 1 animal; ")
 
 
 @pytest.mark.slow

@@ -56,6 +56,7 @@ def test_the_first_lines_count_animals_and_not_strides(sample):
     assert f"median stride frequency {middle}" in run.text()
 
 
+@pytest.mark.slow
 def test_animals_of_several_files_with_several_are_named_apart(real_data, tmp_path):
     files = [tmp_path / f"{name}DLC.csv" for name in ("v1", "v2")]
     for file in files:
@@ -86,6 +87,7 @@ def test_a_unit_that_a_file_does_not_say_is_said_to_be_taken_and_can_be_told(rea
     assert any(" m/s" in str(note) for note in told.tables.notes)
 
 
+@pytest.mark.slow
 def test_what_makes_trials_unlike_is_said_and_what_all_share_once(tmp_path):
     files = write_deeplabcut_sample(tmp_path / "s", animals=5, seconds=1.5)
     lines = files[1].read_text().splitlines()
