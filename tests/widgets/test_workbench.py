@@ -39,20 +39,6 @@ def bare(described):
     return described
 
 
-@pytest.fixture
-def opened():
-    """Open workbenches, and close them after the test."""
-    benches = []
-
-    def open_it(*args, **options):
-        benches.append(pawnb.Workbench(*args, **options))
-        return benches[-1]
-
-    yield open_it
-    for bench in benches:
-        bench.close()
-
-
 def clicks():
     rows = ["frame,view,point,u,v"]
     for k, (view, points) in enumerate(scene.POINTS.items()):

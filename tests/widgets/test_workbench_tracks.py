@@ -8,23 +8,7 @@ import numpy as np
 import pytest
 import small_trial as scene
 
-import pawnb
-
 FL_TO_FR = ("FL", "FR")
-
-
-@pytest.fixture
-def opened():
-    """Open workbenches, and close them after the test."""
-    benches = []
-
-    def open_it(*args, **options):
-        benches.append(pawnb.Workbench(*args, **options))
-        return benches[-1]
-
-    yield open_it
-    for bench in benches:
-        bench.close()
 
 
 @pytest.fixture
