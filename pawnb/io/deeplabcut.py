@@ -1,4 +1,4 @@
-"""Tracks of DeepLabCut: csv or h5, one animal or several."""
+"""Tracks of DeepLabCut, and of Lightning Pose and its smoother, which write the same tables."""
 
 from __future__ import annotations
 
@@ -25,6 +25,9 @@ from pawnb.schema import Tracks
 GROUP = "df_with_missing"
 """Where DeepLabCut puts its table in an h5 file."""
 
+DEEPLABCUT = "DeepLabCut"
+"""What tracks are said to be of, unless another program's scorer is named."""
+
 SCORER = "scorer"
 """Attribute of Tracks that keeps who scored or predicted the points."""
 
@@ -37,6 +40,13 @@ PICTURES = "labelled_pictures"
 ONE = "individual_0"
 """The animal of a file that names none."""
 
+SMOOTHER = "ensemble-kalman_tracker"
+"""The scorer of what the Ensemble Kalman Smoother (EKS) of Lightning Pose's authors writes."""
+
+_LIGHTNING_POSE = re.compile(r"(heatmap|regression)\w*_tracker")
+"""Scorers of Lightning Pose: kinds of its models."""
+_OF_SMOOTHER = re.compile(r"[xyz]_(ens_median|ens_var|posterior_var|var)|zscore|nll")
+"""What EKS writes beside the smoothed positions: its releases differ."""
 _LEVELS = (("scorer", "bodyparts", "coords"), ("scorer", "individuals", "bodyparts", "coords"))
 _EXPECTED = "a csv or h5 as DeepLabCut writes it"
 _FRAMES = "numbers of frames, as in the file of predictions for a video"
@@ -44,13 +54,15 @@ _NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
 def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
-    """Read tracks of DeepLabCut.
+    """Read tracks of DeepLabCut, or of Lightning Pose and its Ensemble Kalman Smoother.
 
     Parameters
     ----------
     path : str or Path
         The csv (header lines scorer, individuals for several animals, bodyparts, coords) or
-        the h5 of the same video. The first column (the index) is the number of the frame.
+        the h5 of the same video. The first column (the index) is the number of the frame. Of
+        what the smoother writes, the smoothed positions are taken; medians and variances of
+        its networks are left out.
     fps : float
         Frames per second of the recording; the file does not say.
     unit : str
@@ -59,7 +71,8 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
     Returns
     -------
     xarray.Dataset
-        Tracks in px, confidence is DeepLabCut's likelihood. Pixels are taken as they are.
+        Tracks in px, confidence is the file's likelihood (unknown where the smoother gave 0 to
+        every point, as some of its releases do). Pixels are taken as they are.
         Frames without a row are missing, and the provenance says which they are.
 
     Raises
@@ -153,6 +166,8 @@ def _build(
             "bodyparts, coords."
         )
     named = [(c[1] if len(c) == 4 else ONE, c[-2], c[-1]) for c in columns]
+    kept = [i for i, name in enumerate(named) if not _OF_SMOOTHER.fullmatch(name[2])]
+    named, values = [named[i] for i in kept], values[:, kept]
     _check_columns(named, where)
     individuals, points = (list(dict.fromkeys(c[i] for c in named)) for i in (0, 1))
     axes = "xyz" if any(c[2] == "z" for c in named) else "xy"
@@ -164,17 +179,39 @@ def _build(
         at = [[place.get((who, p, axis), -1) for who in individuals] for p in points]
         return padded[:, np.array(at)]
 
+    scorer = columns[0][0]
+    said = picked("likelihood") if any(c[2] == "likelihood" for c in named) else None
+    if said is not None and scorer == SMOOTHER and not np.nan_to_num(said).any():
+        said = None
     return build_tracks(
         frames,
         np.stack([picked(axis) for axis in axes], axis=-1),
-        picked("likelihood") if any(c[2] == "likelihood" for c in named) else None,
+        said,
         points=points,
         fps=fps,
         unit="px" if axes == "xy" else unit,
-        program="DeepLabCut",
+        program=program_of(scorer),
         where=where,
         individuals=individuals,
     )
+
+
+def program_of(scorer: str) -> str:
+    """Return the program that calls its predictions so.
+
+    Parameters
+    ----------
+    scorer : str
+        First line of the header.
+
+    Returns
+    -------
+    str
+        Lightning Pose, its Ensemble Kalman Smoother, or else DeepLabCut.
+    """
+    if scorer == SMOOTHER:
+        return "Ensemble Kalman Smoother"
+    return "Lightning Pose" if _LIGHTNING_POSE.fullmatch(scorer) else DEEPLABCUT
 
 
 def _read_h5(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], FloatArray]:
@@ -212,6 +249,11 @@ def _read_csv(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], F
     if width == 0 or any(len(row) != width for row in names):
         raise InputError(f"{path.name}: header lines of different length; expected {_EXPECTED}.")
     columns = list(zip(*names, strict=True))
+    if any(column[0] == "set" and not column[-1] for column in columns):
+        raise InputError(
+            f"{path.name}: predictions of Lightning Pose for its training pictures (column 'set'); "
+            "expected those of a video, as in its folder video_preds."
+        )
     if not labels:
         body = _numbers(text, n_header, width + 1, names[-2:], path.name)
         return body[:, 0], columns, body[:, 1:]

@@ -11,7 +11,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.files import write_whole
-from pawnb.io.deeplabcut import GROUP, ONE, PICTURES, SCORER
+from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, ONE, PICTURES, SCORER
 from pawnb.io.outgoing import Outgoing, take_space, take_view, views_of, word
 from pawnb.io.pandas_frame import pandas_frame_bytes
 from pawnb.io.tables import write_text
@@ -139,7 +139,7 @@ def _table(
     """Return the numbers, the names of the columns and those of their levels."""
     parts = [own.place[..., "xyz".index(c)] if c in "xyz" else own.confidence for c in coords]
     values = np.stack(parts, axis=-1).transpose(0, 2, 1, 3).reshape(len(own.frames), -1)
-    named = own.attrs.get("source_software") == "DeepLabCut" and own.individuals != [ONE]
+    named = own.attrs.get("source_software") == DEEPLABCUT and own.individuals != [ONE]
     several = len(own.individuals) > 1 or named
     columns = [
         (scorer, *((who,) if several else ()), point, coord)

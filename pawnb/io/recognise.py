@@ -13,7 +13,7 @@ from pawnb.errors import InputError
 from pawnb.files import check_file
 from pawnb.io import argus
 from pawnb.io.authors2019 import HEADER_LINES
-from pawnb.io.deeplabcut import GROUP, LABELS_GROUP
+from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, LABELS_GROUP, program_of
 from pawnb.io.dltdv import sparse_kind
 from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.nwb import is_nwb
@@ -120,7 +120,8 @@ def _find_deeplabcut(lines: list[str], names: list[str]) -> str:
     first = next(csv.reader(io.StringIO(lines[header])), [""]) if len(lines) > header else [""]
     if names[1:2] == [""] or re.search(r"\.(png|jpe?g|tiff?|bmp)$", first[0]):
         return "collected"
-    return "lightning-pose" if len(names) > 1 and names[1].startswith("heatmap") else "deeplabcut"
+    own = len(names) < 2 or program_of(names[1]) == DEEPLABCUT
+    return "deeplabcut" if own else "lightning-pose"
 
 
 def _find_by_columns(names: list[str]) -> str | None:

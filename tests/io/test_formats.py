@@ -44,6 +44,77 @@ def test_deeplabcut_csv(tmp_path, individuals):
     assert tracks["time"].to_numpy()[-1] == pytest.approx(0.05)
 
 
+# columns as eks/singlecam_smoother.py and eks/multicam_smoother.py of paninski-lab/eks write them:
+# release 4 in pictures and in space, and the releases before, whose likelihood is empty
+SMOOTHED = {
+    "eks_singlecam": "x y likelihood x_ens_median y_ens_median x_ens_var y_ens_var "
+    "x_posterior_var y_posterior_var",
+    "multicam_3d_results": "x y z x_posterior_var y_posterior_var z_posterior_var",
+    "multicam_top_results": "x y likelihood x_var y_var zscore",
+}
+
+
+def smoothed_csv(path, labels, likelihood):
+    columns = pd.MultiIndex.from_product(
+        [["ensemble-kalman_tracker"], POINTS, labels.split()],
+        names=["scorer", "bodyparts", "coords"],
+    )
+    table = pd.DataFrame(7.5, index=range(6), columns=columns)
+    for k, point in enumerate(POINTS):
+        for axis, label in enumerate(("x", "y")):
+            table["ensemble-kalman_tracker", point, label] = UV[:, k, axis]
+        if "likelihood" in labels:
+            table["ensemble-kalman_tracker", point, "likelihood"] = likelihood
+    table.to_csv(path)
+    return path
+
+
+@pytest.mark.parametrize("name", SMOOTHED)
+def test_what_the_ensemble_kalman_smoother_writes(tmp_path, name):
+    likelihood = np.nan if "zscore" in SMOOTHED[name] else 0.8
+    path = smoothed_csv(tmp_path / f"{name}.csv", SMOOTHED[name], likelihood)
+    assert recognise_format(path) == "lightning-pose"
+    tracks = read_any_tracks(path, fps=100.0)
+    assert tracks.attrs["source_software"] == "Ensemble Kalman Smoother"
+    assert list(tracks["keypoint"].to_numpy()) == POINTS
+    places = tracks["position"].transpose("time", "keypoint", "space", ...).to_numpy()[..., 0]
+    np.testing.assert_allclose(places[..., :2], UV)
+    assert places.shape[-1] == (3 if "z" in SMOOTHED[name].split() else 2)
+    if name == "eks_singlecam":
+        assert (tracks["confidence"].to_numpy() == 0.8).all()
+    else:
+        assert np.isnan(tracks["confidence"].to_numpy()).all()
+
+
+def test_likelihoods_that_the_smoother_left_at_0_say_nothing(tmp_path):
+    # as in EKS_IBL-paw_multicam_left.predictions.csv of movement's sample data
+    path = smoothed_csv(tmp_path / "eks.csv", SMOOTHED["eks_singlecam"], 0.0)
+    assert np.isnan(read_any_tracks(path, fps=100.0)["confidence"].to_numpy()).all()
+
+
+@pytest.mark.parametrize("model", ["heatmap", "heatmap_mhcrnn", "regression"])
+def test_tracks_of_lightning_pose_are_not_said_to_be_of_deeplabcut(tmp_path, model):
+    path = dlc_csv(tmp_path / "clip.csv")
+    path.write_text(path.read_text().replace("DLC_net", f"{model}_tracker"))
+    assert recognise_format(path) == "lightning-pose"
+    assert read_any_tracks(path, fps=100.0).attrs["source_software"] == "Lightning Pose"
+
+
+def test_predictions_of_training_pictures_are_refused_in_words(tmp_path):
+    # the table predictions.csv beside a model of Lightning Pose has a last column, set
+    lines = dlc_csv(tmp_path / "clip.csv").read_text().splitlines()
+    ends = ["set", "", "", *["train"] * 6]
+    rows = [
+        f"labeled-data/a/img{i:03d}.png,{row.partition(',')[2]}" for i, row in enumerate(lines[3:])
+    ]
+    path = tmp_path / "predictions.csv"
+    path.write_text(
+        "\n".join(f"{a},{b}" for a, b in zip([*lines[:3], *rows], ends, strict=True)) + "\n"
+    )
+    with pytest.raises(InputError, match=r"training pictures .*expected those of a video"):
+        read_any_tracks(path, fps=100.0)
+
+
 def test_sleap_analysis_file(tmp_path):
     # layout of SLEAP's analysis export: tracks (track, xy, node, frame)
     path = tmp_path / "clip.analysis.h5"

@@ -25,7 +25,12 @@ from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.events.manual_events import check_scored_events
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.locomotion.body import BodyPoints
-from pawnb.gait.locomotion.foot_trajectories import FootPaths, get_foot_paths
+from pawnb.gait.locomotion.foot_trajectories import (
+    FootPaths,
+    get_foot_paths,
+    least_confidence,
+    notes_on_confidence,
+)
 from pawnb.gait.locomotion.grid import Grid, put_on_grid
 from pawnb.gait.locomotion.pose_body import pose_body
 from pawnb.gait.strides.stride_table import Motion
@@ -33,7 +38,6 @@ from pawnb.io.belt import read_belt_speed
 from pawnb.schema import Tracks, absent_frames, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
 
-_LEAST_CONFIDENCE = {"DeepLabCut": 0.6}
 _GAP_COLUMNS = ("leg", "start_s", "end_s", "what")
 
 
@@ -303,7 +307,7 @@ def _analyse_one(
     who: Mapping[str, str],
 ) -> GaitTables:
     """Analyse one individual on the grid."""
-    least = _least_confidence(dense, settings)
+    least = least_confidence(dense, settings.min_confidence)
     spaces = get_foot_paths(dense, legs, individual=individual, min_confidence=least)
     seen = [leg for space in spaces for leg in space.legs]
     if not seen:
@@ -316,9 +320,7 @@ def _analyse_one(
     dropped = [*(dict(row) for row in lost), *_never_seen(legs, seen, grid)]
     motion: dict[str, Motion] = {}
     signals: list[LegSignals] = []
-    notes: list[str] = []
-    if least > 0.0:
-        notes.append(f"positions with a confidence below {least:g} count as missing.")
+    notes = notes_on_confidence(dense, least)
     for space in spaces:
         posed = pose_body(dense, space, individual=individual)
         body, space = posed or (
@@ -376,13 +378,6 @@ def _body_length(tracks: Tracks, trial: Trial | None, unit: str) -> float | None
     said = trial.animal.extra.get("body_length") if trial is not None else None
     known = trial.calibration.unit if trial is not None and trial.calibration else "px"
     return float(said) if isinstance(said, int | float) and unit == known else None
-
-
-def _least_confidence(tracks: Tracks, settings: EventSettings) -> float:
-    """Return the confidence below which a position counts as missing."""
-    if settings.min_confidence is not None:
-        return settings.min_confidence
-    return _LEAST_CONFIDENCE.get(str(tracks.attrs.get("source_software")), 0.0)
 
 
 def _other_points(

@@ -11,6 +11,8 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks
 
+_LEAST_CONFIDENCE = dict.fromkeys(("DeepLabCut", "Lightning Pose", "Ensemble Kalman Smoother"), 0.6)
+"""Programs that give a place in every frame, and the confidence from which it is one."""
 _USED_VARIABLES = ("position", "confidence", "image_position", "image_confidence")
 
 
@@ -43,6 +45,49 @@ class FootPaths:
     def label(self) -> str:
         """Legs and space in words, for notes."""
         return f"{', '.join(self.legs)} ({self.source})"
+
+
+def least_confidence(tracks: Tracks, given: float | None) -> float:
+    """Return the confidence below which a position counts as missing.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    given : float or None
+        What the settings say; None for what suits the program that made the tracks.
+
+    Returns
+    -------
+    float
+        The confidence, from 0 to 1.
+    """
+    if given is not None:
+        return given
+    return _LEAST_CONFIDENCE.get(str(tracks.attrs.get("source_software")), 0.0)
+
+
+def notes_on_confidence(tracks: Tracks, least: float) -> list[str]:
+    """Say that positions of low confidence count as missing, or that none is known.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    least : float
+        The confidence below which a position counts as missing.
+
+    Returns
+    -------
+    list of str
+        One note; none where no position is left out.
+    """
+    if least <= 0.0:
+        return []
+    told = [tracks[name] for name in ("confidence", "image_confidence") if name in tracks]
+    if any(bool((one > 0.0).any()) for one in told):
+        return [f"positions with a confidence below {least:g} count as missing."]
+    return ["the tracks tell no confidence, so no position is left out for a low one."]
 
 
 def get_foot_paths(

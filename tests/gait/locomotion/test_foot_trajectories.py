@@ -6,7 +6,11 @@ import numpy as np
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.gait.locomotion.foot_trajectories import get_foot_paths
+from pawnb.gait.locomotion.foot_trajectories import (
+    get_foot_paths,
+    least_confidence,
+    notes_on_confidence,
+)
 from pawnb.schema import make_tracks
 
 
@@ -40,3 +44,19 @@ def test_bad_input_is_refused():
         get_foot_paths(tracks, {"FR": "RF"})
     with pytest.raises(InputError, match=r"^no individual 'x'; the tracks have animal\.$"):
         get_foot_paths(tracks, {"FR": "FR"}, individual="x")
+
+
+def test_a_low_confidence_is_only_spoken_of_where_the_tracks_tell_one():
+    tracks = make_tracks(
+        np.arange(10), ["FR"], fps=100.0, unit="px", source_software="Ensemble Kalman Smoother"
+    )
+    tracks["position"].data[:] = 1.0
+    least = least_confidence(tracks, None)
+    assert least == 0.6
+    tracks["confidence"].data[:] = 0.7
+    (note,) = notes_on_confidence(tracks, least)
+    assert note == "positions with a confidence below 0.6 count as missing."
+    tracks["confidence"].data[:] = np.nan
+    (note,) = notes_on_confidence(tracks, least)
+    assert "tell no confidence" in note
+    assert not notes_on_confidence(tracks, least_confidence(tracks, 0.0))

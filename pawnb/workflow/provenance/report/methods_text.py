@@ -36,15 +36,18 @@ SOURCES = {
     "J. Neurosci. Methods 164: 177-190.",
     "zar": "Zar JH (2010) Biostatistical Analysis. 5th ed. Pearson. (Rayleigh's test)",
 }
+_LIGHTNING_POSE = (
+    "Biderman D et al. (2024) Lightning Pose: improved animal pose estimation via semi-supervised "
+    "learning, Bayesian ensembling and cloud-native open-source tools. Nat. Methods 21: 1316-1328."
+)
 PROGRAMS = {
     "DeepLabCut": "Mathis A, Mamidanna P, Cury KM, Abe T, Murthy VN, Mathis MW, Bethge M (2018) "
     "DeepLabCut: markerless pose estimation of user-defined body parts with deep learning. Nat. "
     "Neurosci. 21: 1281-1289.",
     "SLEAP": "Pereira TD et al. (2022) SLEAP: a deep learning system for multi-animal pose "
     "tracking. Nat. Methods 19: 486-495.",
-    "Lightning Pose": "Biderman D et al. (2024) Lightning Pose: improved animal pose estimation "
-    "via semi-supervised learning, Bayesian ensembling and cloud-native open-source tools. Nat. "
-    "Methods 21: 1316-1328.",
+    "Lightning Pose": _LIGHTNING_POSE,
+    "Ensemble Kalman Smoother": _LIGHTNING_POSE,
     "Anipose": "Karashchuk P et al. (2021) Anipose: a toolkit for robust markerless 3D pose "
     "estimation. Cell Rep. 36: 109730.",
     "DLTdv": "Hedrick TL (2008) Software techniques for two- and three-dimensional kinematic "
@@ -286,7 +289,7 @@ def _sources(
     used = [made.get("method") for steps in step.get("sources", {}).values() for made in steps]
     wanted += ["paper"] if {"paper", "slic-2d", "slic-3d"} & set(used) else []
     told = dict.fromkeys(str(tracks.attrs.get("source_software", "")) for tracks in tracked)
-    others = [source for name, source in PROGRAMS.items() if name in told]
+    others = dict.fromkeys(source for name, source in PROGRAMS.items() if name in told)
     return " ".join(
         ["To cite: pawnb (CITATION.cff).", *(SOURCES[name] for name in wanted), *others]
     )
