@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
+from pawnb.figures.panels import new_axes
 from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
 
@@ -105,7 +105,7 @@ def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
         raise InputError("animal presence: the table is empty.")
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 55.0))
+            _, ax = new_axes(figsize=figure_size(1, 55.0))
         frames, there = table["frame"].to_numpy(), table["has_animal"].to_numpy(dtype=bool)
         starts = np.flatnonzero(there & ~np.r_[False, there[:-1]])
         ends = np.flatnonzero(there & ~np.r_[there[1:], False])

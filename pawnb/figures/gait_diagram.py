@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -12,6 +11,7 @@ from matplotlib.transforms import blended_transform_factory
 
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
+from pawnb.figures.panels import new_axes
 from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.strides import PARTNER, choose_stride_event
@@ -152,7 +152,7 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     legs = list(dict.fromkeys(table["leg"]))
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 20.0 + 5.0 * len(legs)))
+            _, ax = new_axes(figsize=figure_size(1, 20.0 + 5.0 * len(legs)))
         colours = colour_legs(legs)
         for bar in table.itertuples():
             draw_stance_bar(ax, bar, legs.index(str(bar.leg)), colour=colours[str(bar.leg)])

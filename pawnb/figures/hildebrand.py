@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import add_animal_legend, draw_points
+from pawnb.figures.panels import add_animal_legend, draw_points, new_axes
 from pawnb.figures.style import figure_size, mark_animals, small_pt, style
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.phases.patterns import hildebrand_table
@@ -109,7 +108,7 @@ def plot_hildebrand_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> A
     with style():
         new = ax is None
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 80.0))
+            _, ax = new_axes(figsize=figure_size(1, 80.0))
         for lag, name in REGIONS:
             ax.axhline(lag, color="0.88", linewidth=0.6, zorder=0)
             ax.text(low + 0.01 * (high - low), lag + (-1.0 if lag == 100.0 else 1.0), name,

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
+from pawnb.figures.panels import new_axes
 from pawnb.figures.style import colour_legs, figure_size, style
 from pawnb.schema import check_columns
 
@@ -54,7 +54,7 @@ def plot_leg_angles(
     legs = list(dict.fromkeys(table["leg"]))
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 50.0))
+            _, ax = new_axes(figsize=figure_size(1, 50.0))
         colours = colour_legs(legs)
         drawn: list[str] = []
         for leg in legs:

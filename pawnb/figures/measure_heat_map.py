@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import matplotlib as mpl
-import matplotlib.pyplot as plt
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import speed_unit, with_unit
+from pawnb.figures.panels import new_axes, speed_unit, with_unit
 from pawnb.figures.style import figure_size, style
 from pawnb.gait.overview import measures_by_animal, standardise
 from pawnb.schema import check_columns
@@ -136,7 +135,7 @@ def plot_measure_heat_map(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
     with style():
         if ax is None:
             wide = 1 if len(animals) <= 8 else 2
-            _, ax = plt.subplots(figsize=figure_size(wide, max(62.0, 30.0 + 4.0 * len(measures))))
+            _, ax = new_axes(figsize=figure_size(wide, max(62.0, 30.0 + 4.0 * len(measures))))
         drawn = ax.imshow(
             grid.loc[measures, animals].to_numpy(), cmap=mpl.colormaps["PuOr_r"], aspect="auto",
             vmin=-_LIMIT_SD, vmax=_LIMIT_SD, interpolation="nearest",

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
+from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from pawnb.errors import InputError
@@ -19,7 +22,61 @@ from pawnb.gait.legs import find_leg_place, sort_legs
 SECOND_LEG = (0, (3, 1.2))
 """Line of the second leg (the right one) of a pair that shares a panel."""
 
+_APART: ContextVar[bool] = ContextVar("apart", default=False)
 _ALPHABET = "abcdefghijklmnopqrstuvwxyz"
+
+
+@contextmanager
+def apart_from_pyplot() -> Iterator[None]:
+    """Make new figures that pyplot does not know, inside a ``with`` block of this thread.
+
+    A notebook draws, shows and closes every figure that pyplot knows whenever a cell or a message
+    of a widget has been dealt with: one that another thread is drawing then is saved half empty.
+    """
+    token = _APART.set(True)
+    try:
+        yield
+    finally:
+        _APART.reset(token)
+
+
+def new_figure(**options: Any) -> Figure:
+    """Make a figure, as ``matplotlib.pyplot.figure`` does.
+
+    Parameters
+    ----------
+    **options
+        For ``matplotlib.figure.Figure``, such as ``figsize``.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        The figure; pyplot does not know it inside :func:`apart_from_pyplot`.
+    """
+    return Figure(**options) if _APART.get() else plt.figure(**options)
+
+
+def new_axes(
+    rows: int = 1, columns: int = 1, *, figsize: tuple[float, float], **options: Any
+) -> tuple[Figure, Any]:
+    """Make a figure with axes, as ``matplotlib.pyplot.subplots`` does.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Shape of the grid of axes.
+    figsize : tuple of float
+        Size of the figure, inches.
+    **options
+        For ``matplotlib.figure.Figure.subplots``, such as ``sharex``.
+
+    Returns
+    -------
+    figure, axes
+        The axes, or an array of several.
+    """
+    figure = new_figure(figsize=figsize)
+    return figure, figure.subplots(rows, columns, **options)
 
 
 def make_panels(
@@ -50,7 +107,7 @@ def make_panels(
     lettered : bool
         Put a, b, c, ... above several panels.
     **options
-        For ``matplotlib.pyplot.subplots``, such as ``sharex``.
+        For :func:`new_axes`, such as ``sharex``.
 
     Returns
     -------
@@ -74,7 +131,7 @@ def make_panels(
     wide = min(wide, n)
     rows = math.ceil(n / wide)
     size = figure_size(1 if wide <= 2 else 2, rows * height_mm)
-    _, grid = plt.subplots(rows, wide, figsize=size, squeeze=False, **options)
+    _, grid = new_axes(rows, wide, figsize=size, squeeze=False, **options)
     panels = list(grid.flat)
     for spare in panels[n:]:
         spare.remove()
@@ -113,7 +170,7 @@ def open_grid(
         If the axes have no place in a grid, as those of ``figure.add_axes``.
     """
     if ax is None:
-        figure = plt.figure(figsize=size)
+        figure = new_figure(figsize=size)
         return figure, figure.add_gridspec(rows, columns, **ratios)
     place = ax.get_subplotspec()
     if place is None:

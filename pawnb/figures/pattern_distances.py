@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import add_animal_legend, draw_points
+from pawnb.figures.panels import add_animal_legend, draw_points, new_axes
 from pawnb.figures.style import figure_size, mark_animals, small_pt, style
 from pawnb.schema import check_columns
 
@@ -51,7 +50,7 @@ def plot_pattern_distances(table: pd.DataFrame, *, ax: Axes | None = None) -> Ax
     with style():
         new = ax is None
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 24.0 + 6.0 * len(names)))
+            _, ax = new_axes(figsize=figure_size(1, 24.0 + 6.0 * len(names)))
         # animals lie a little above each other, so that equal distances are seen
         shift = np.linspace(-0.25, 0.25, len(marks)) if len(marks) > 1 else np.zeros(1)
         for (animal, mark), up in zip(marks.items(), shift, strict=True):

@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.projections.polar import PolarAxes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import say_counts, say_phase
+from pawnb.figures.panels import new_axes, say_counts, say_phase
 from pawnb.figures.phases_shown import choose_pairs, interval_length, mean_of_pair, say_interval
 from pawnb.figures.style import OKABE_ITO, figure_size, get_style, small_pt, style
 from pawnb.gait.circular import mean_vector
@@ -139,7 +138,7 @@ def plot_phase_rose(table: pd.DataFrame, *, ax: PolarAxes | None = None) -> Pola
         page = 1 if columns <= 2 else 2
         width = get_style().column_mm if page == 1 else get_style().page_mm
         height = 0.62 * width / columns + 22.0
-        _, grid = plt.subplots(
+        _, grid = new_axes(
             lines, columns, figsize=figure_size(page, height * lines), squeeze=False,
             subplot_kw={"projection": "polar"},
         )  # fmt: skip

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.arrays import ByteArray
 from pawnb.errors import InputError
+from pawnb.figures.panels import new_axes
 from pawnb.figures.style import colour_legs, figure_size, style
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import Tracks, check_columns, check_tracks
@@ -112,7 +112,7 @@ def plot_pose_overlay(
     legs = list(dict.fromkeys(table["leg"]))
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 85.0))
+            _, ax = new_axes(figsize=figure_size(1, 85.0))
         if picture is not None:
             ax.imshow(picture, cmap="gray", vmin=0, vmax=255)
         colours = colour_legs(legs)

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import draw_points, use_log_axes
+from pawnb.figures.panels import draw_points, new_axes, use_log_axes
 from pawnb.figures.style import OKABE_ITO, figure_size, mark_animals, small_pt, style
 from pawnb.gait.regression import fit_power
 from pawnb.schema import check_columns
@@ -146,11 +146,10 @@ def plot_scaling(
     points = table[table["row"] == "point"]
     if len(points) == 0:
         raise InputError("scaling figure: the table has no point.")
-    import matplotlib.pyplot as plt
 
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 90.0))
+            _, ax = new_axes(figsize=figure_size(1, 90.0))
         marks = mark_animals(points["group"])
         shown = []
         for group, species in points.groupby("group", sort=True):

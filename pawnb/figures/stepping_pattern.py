@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
 from pawnb.figures.gait_diagram import build_gait_diagram_table, draw_stance_bar
-from pawnb.figures.panels import add_letter
+from pawnb.figures.panels import add_letter, new_axes
 from pawnb.figures.style import figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
@@ -210,7 +209,7 @@ def plot_stepping_pattern(
     with style():
         if ax is None:
             height = len(shown) * (9.0 + 3.4 * len(legs)) + 8.0
-            _, grid = plt.subplots(
+            _, grid = new_axes(
                 len(shown), 1, figsize=figure_size(1, height), squeeze=False, sharex=True
             )
             panels = list(grid.flat)

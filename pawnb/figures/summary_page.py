@@ -6,14 +6,13 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
 from pawnb.figures.gait_diagram import build_gait_diagram_table, plot_gait_diagram
-from pawnb.figures.panels import add_note, speed_unit, with_unit
+from pawnb.figures.panels import add_note, new_figure, speed_unit, with_unit
 from pawnb.figures.phase_rose import build_phase_rose_table, plot_phase_rose
 from pawnb.figures.regression import build_regression_table, plot_regression
 from pawnb.figures.stepping_pattern import choose_window
@@ -178,7 +177,7 @@ def _new_page(height: float, *, further: int) -> Any:
     inner = A4_MM[1] - 2.0 * _MARGIN_MM
     longer = inner * height / (height - _LINE_SHARE * further)
     width, length = A4_MM[0], longer + 2.0 * _MARGIN_MM
-    figure = plt.figure(figsize=size_mm(width, length))
+    figure = new_figure(figsize=size_mm(width, length))
     left, low = _MARGIN_MM / width, _MARGIN_MM / length
     layout: Any = figure.get_layout_engine()
     layout.set(rect=(left, low, 1.0 - 2.0 * left, 1.0 - 2.0 * low), h_pad=0.06, hspace=0.03)

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import matplotlib as mpl
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from pawnb.errors import InputError
+from pawnb.figures.panels import new_axes
 from pawnb.figures.style import figure_size, small_pt, style
 from pawnb.schema import check_columns
 
@@ -55,7 +55,7 @@ def plot_support_shares(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     with style():
         new = ax is None
         if ax is None:
-            _, ax = plt.subplots(figsize=figure_size(1, 32.0 + 5.5 * len(animals)))
+            _, ax = new_axes(figsize=figure_size(1, 32.0 + 5.5 * len(animals)))
         for row, animal in enumerate(animals):
             own = table[table["animal"].astype(str) == animal].sort_values("n_down")
             left = 0.0

@@ -28,7 +28,7 @@ from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import results_folder
-from pawnb.workflow.reviewing.foreign import Videos, open_foreign
+from pawnb.workflow.reviewing.foreign import Videos, corrected_file, open_foreign
 
 _TRACK_REVIEW_KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
@@ -200,7 +200,7 @@ class TrackReviewer(Comparing, Questions):
         told = {name: options.pop(name) for name in ("program", "animal") if name in options}
         foreign = open_foreign(path, videos, fps=fps, **told)
         file = foreign.path
-        target = GuardedFile(file.with_name(f"corrected_{file.name}"))
+        target = GuardedFile(corrected_file(file))
         options = {"edits": file.with_name(f"{file.name}.edits.jsonl"), **options}
         return cls(
             foreign.trial,

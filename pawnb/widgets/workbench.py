@@ -20,8 +20,9 @@ from pawnb.widgets.pose_reviewer import PoseReviewer
 from pawnb.widgets.stick_poser import StickPoser
 from pawnb.widgets.surroundings import Surroundings
 from pawnb.widgets.track_reviewer import TrackReviewer
+from pawnb.widgets.tracks_form import TracksForm, review_of_trial
 from pawnb.widgets.trial_form import TrialForm
-from pawnb.widgets.workbench_parts import ROW, Tool, TracksForm, cell, show_results
+from pawnb.widgets.workbench_parts import ROW, Tool, cell, show_results, step_menu
 from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.workbench.states import DONE, WORK_STEPS, Step, TrialState
@@ -152,8 +153,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _begin_with(self, videos: Sequence[Path]) -> None:
         """Open the form of some videos; where the trial was made since, its line is enough."""
         if (videos[0].parent / "trial.toml").exists():  # the page was opened again
-            place = videos[0].parent.resolve().name
-            self._tell(f"{place} has its trial.toml: go on with the next step, in the list above.")
+            where = f"{videos[0].parent.resolve().name} has its trial.toml"
+            self._tell(f"{where}: go on with the next step, in the list above.")
         else:
             self.make_trial(videos)
 
@@ -187,7 +188,9 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             head += [self._videos, self._button(text, act)]
         if tracks := session.track_files():
             form = partial(TracksForm, tracks, session, begin=self._begin, show=self._open)
-            head.append(self._button("Gait of the tracks here", lambda: self._open(form)))
+            act = partial(self._open, partial(form, button=self._button, room=lambda: self._room))
+            film = "Look at the tracks here, and their gait"
+            head.append(self._button(film if session.films() else "Gait of the tracks here", act))
         if sum(state.next_step == "track" for state in session.states) > 1:
             head.append(self._button("Track all that are started", self._track_all))
         head.append(self._button("Look again", self.look_again, icon="refresh"))
@@ -212,19 +215,10 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             text, act = WORK_STEPS["calibrate"], partial(self.do, "calibrate", state.folder)
             buttons.append(self._button(text, act))
         if len(steps) > 1:
-            menu = widgets.Dropdown(
-                options=[("other steps", ""), *((WORK_STEPS[step], step) for step in steps[1:])],
-                layout={"width": "11em"},
+            buttons.append(
+                step_menu(steps[1:], lambda step: self._guard(lambda: self.do(step, state.folder)))
             )
-            menu.observe(lambda change: self._chosen(menu, state, change["new"]), names="value")
-            buttons.append(menu)
         return [self._cell(state.name), *marks, widgets.HBox(buttons, layout=ROW)]
-
-    def _chosen(self, menu: Any, state: TrialState, step: Step | str) -> None:
-        """Do the step that was chosen in a menu."""
-        if step:
-            menu.value = ""
-            self._guard(lambda: self.do(step, state.folder))  # type: ignore[arg-type]
 
     # --- the tools ----------------------------------------------------------------------------
 
@@ -256,10 +250,12 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _review(self, state: TrialState) -> Any:
         """Return the widget that reviews the tracks."""
+        if state.films:
+            then = partial(self._corrected, state)
+            return review_of_trial(state, button=self._button, then=then, room=self._room)
         trial, tracks = described(state), self.session.tracks(state)
-        tool = (PoseReviewer if trial.is_jointed else TrackReviewer)(
-            trial, tracks, max_height=self._room
-        )
+        reviewer = PoseReviewer if trial.is_jointed else TrackReviewer
+        tool = reviewer(trial, tracks, max_height=self._room)
         self.session.has_looked(state)
         go_on = self._button("Save, and analyse the gait", lambda: self._reviewed(state), main=True)
         return Tool(tool, [go_on, *self._to_mend(state, tracks)])
@@ -300,12 +296,17 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             tool.corrected.save()
         self.do("gait", state.folder)
 
+    def _corrected(self, state: TrialState, file: Path) -> None:
+        """Go on to the gait with corrected tracks of another program."""
+        self.session.use_tracks(state, file)
+        self.do("gait", state.folder)
+
     def _results(self, state: TrialState) -> Any:
         """Return the results: figures to look through, and the explorer of strides."""
         strides = self._button("Look through the strides", lambda: self._strides(state))
-        session = self.session
-        said = [f"Tracks: {quality}." if (quality := session.quality(state)) else ""]
-        return Tool(show_results(session.figures(state), said + session.notes(state)), [strides])
+        said = self.session.notes(state)
+        said = [f"Tracks: {told}.", *said] if (told := self.session.quality(state)) else said
+        return Tool(show_results(self.session.figures(state), said), [strides])
 
     def _strides(self, state: TrialState) -> None:
         """Open the explorer of strides."""
@@ -320,8 +321,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _made(self, path: Path) -> None:
         """Go on to the start of a trial that was just made."""
-        self.session.refresh()
-        self._show_list()
+        self.look_again()
         self._guard(lambda: self.do("start", path.parent))
         self._tell(f"Wrote {path}. Next: click every point once, then Track.")
 
@@ -366,9 +366,9 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _track_all(self) -> None:
         """Track every trial that is started."""
         self._put_away()
+        shown = partial(self._show_list, head=False)
 
         def work() -> Callable[[], None]:
-            shown = partial(self._show_list, head=False)
             said = self.session.track_all(self.work.progress, shown)
             return lambda: self._tell(text_of(said))
 

@@ -25,17 +25,18 @@ from pawnb.workflow.provenance.results import (
     read_result_tracks,
     results_folder,
 )
+from pawnb.workflow.reviewing.foreign import CORRECTED
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.reviewing.suggest import suggest_frames
 from pawnb.workflow.tracking.track import track
+from pawnb.workflow.workbench.films import find_videos
 from pawnb.workflow.workbench.states import (
     Step,
     TrialState,
     find_states,
-    find_videos,
     what_is_wrong,
 )
-from pawnb.workflow.workbench.used_frames import write_frames
+from pawnb.workflow.workbench.used_frames import write_frames, write_tracks_file
 
 Progress = Callable[..., None]
 _TRACK_ENDINGS = (".csv", ".tsv", ".h5", ".slp", ".nc", ".nwb", ".c3d")
@@ -127,10 +128,18 @@ class WorkbenchSession:
                 found.append(path)
         return found
 
+    def films(self) -> list[Path]:
+        """Return every video of the folder."""
+        return find_videos(self.folder)
+
     @staticmethod
     def one_a_recording(files: Sequence[Path]) -> list[Path]:
-        """Return the first file of each recording: programs write several of one."""
-        first = {recording_name(path, recognise_format(path)): path for path in reversed(files)}
+        """Return the first file of each recording, corrected ones before others.
+
+        Programs write several of one.
+        """
+        order = sorted(files, key=lambda path: (not path.name.startswith(CORRECTED), path.name))
+        first = {recording_name(path, recognise_format(path)): path for path in reversed(order)}
         return [path for path in files if path in first.values()]
 
     def gait_of_tracks(self, files: Sequence[Path], fps: float, **asked: Any) -> GaitRun:
@@ -301,6 +310,13 @@ class WorkbenchSession:
         """Write into ``trial.toml`` which frames are used."""
         write_frames(described(state), frames)
         self.refresh()
+
+    def use_tracks(self, state: TrialState, file: Path) -> None:
+        """Write into ``trial.toml`` that corrected tracks, beside those before, are used."""
+        trial = described(state)
+        if trial.tracks_file is not None and trial.path(trial.tracks_file) != file:
+            write_tracks_file(trial, Path(trial.tracks_file).with_name(file.name).as_posix())
+            self.refresh()
 
     def figures(self, state: TrialState) -> list[Path]:
         """Return the pictures of a trial's results: gait diagrams, then by their names."""

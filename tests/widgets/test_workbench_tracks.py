@@ -3,10 +3,13 @@
 import csv
 import shutil
 
+import av
 import ipywidgets as widgets
 import numpy as np
 import pytest
 import small_trial as scene
+
+from pawnb import load_tracks, load_trial
 
 FL_TO_FR = ("FL", "FR")
 
@@ -19,10 +22,35 @@ def described(tmp_path):
     return tmp_path / "m1"
 
 
-def open_form(bench):
+def open_form(bench, name="Gait of the tracks here"):
     buttons = {getattr(child, "description", ""): child for child in bench._head.children}
-    buttons["Gait of the tracks here"].click()
+    buttons[name].click()
     return bench.tool
+
+
+def film(path, n_frames=300):
+    """Write a grey film: what is looked at is where the tracks are drawn."""
+    with av.open(str(path), "w") as file:
+        stream = file.add_stream("mjpeg", rate=25)
+        stream.width, stream.height, stream.pix_fmt = 96, 64, "yuvj420p"
+        frame = av.VideoFrame.from_ndarray(np.full((64, 96, 3), 90, np.uint8), format="rgb24")
+        for _ in range(n_frames):
+            file.mux(stream.encode(frame))
+        file.mux(stream.encode())
+    return path
+
+
+def press(tool, text):
+    """Press the button above a tool."""
+    buttons = {button.description: button for button in tool.children[0].children}
+    buttons[text].click()
+
+
+def correct(bench, frame, u, v):
+    """Put FR elsewhere in a frame of the review that is open."""
+    review = bench.tool.tool
+    view = review.session.views[0]
+    review.edit("moved", {"frame": frame, "view": view, "point": "FR", "u": u, "v": v})
 
 
 @pytest.mark.parametrize("name", ["dlc_single.csv", "sleap.analysis.h5"])
@@ -113,3 +141,80 @@ def test_one_file_of_each_recording_is_chosen(real_data, tmp_path, opened):
     assert [name.rpartition("/")[2] for name in form.files.value] == [
         "m1DLC_x.csv", "m2.analysis.h5", "m3.csv",
     ]  # fmt: skip
+
+
+def test_tracks_of_other_programs_are_corrected_on_their_film_before_the_gait(
+    real_data, tmp_path, opened
+):
+    path = tmp_path / "m1DLC_net.csv"
+    shutil.copy(real_data("peer-files") / "dlc_single.csv", path)
+    film(tmp_path / "m1.avi")
+    film(tmp_path / "m10.avi", 2)
+    bench = opened(tmp_path)
+    form = open_form(bench, "Look at the tracks here, and their gait")
+    assert form.film.value == (str(tmp_path / "m1.avi"),)  # not m10
+    form.film.value = ()
+    form.review()
+    assert "choose one file of tracks, and its film" in form.told.value
+    form.film.value = (str(tmp_path / "m1.avi"),)
+    form.review()
+    assert "expected a number, such as 200" in form.told.value
+    form.fps.value = "100"
+    form.review()
+    correct(bench, 7, 33.0, 44.0)
+    press(bench.tool, "Save, and analyse the gait")
+    bench.work.wait(120)
+    shown = [line.value for line in bench.tool.tool.children if isinstance(line, widgets.Label)]
+    assert "strides of" in shown[0]
+    saved = load_tracks(tmp_path / "corrected_m1DLC_net.csv", fps=100.0)
+    assert saved["position"].sel(keypoint="FR").to_numpy()[7, :, 0].tolist() == [33.0, 44.0]
+    with (tmp_path / "results" / "strides.csv").open() as file:
+        assert {row["trial"] for row in csv.DictReader(file)} == {"m1"}
+    assert "corrected_m1DLC_net.csv" in (tmp_path / "results" / "provenance.json").read_text()
+    # the corrected file stands for the recording, and its review goes on where it was
+    bench.look_again()
+    form = open_form(bench, "Look at the tracks here, and their gait")
+    assert [name.rpartition("/")[2] for name in form.files.value] == ["corrected_m1DLC_net.csv"]
+    form.fps.value = "100"
+    form.review()
+    assert len(bench.tool.tool.corrected.corrections) == 1
+    assert not (tmp_path / "corrected_corrected_m1DLC_net.csv").exists()
+
+
+TRIAL_OF_TRACKS = """[trial]
+kind = "tracks"
+name = "m1"
+fps = 100
+[animal]
+id = "m1"
+species = "mouse"
+{views}[tracks]
+file = "m1DLC_net.csv"  # of the network
+"""
+VIEWS = '[[views]]\nname = "side"\nvideo = "{}"\n'
+
+
+@pytest.mark.parametrize("views", ["", VIEWS.format("film.avi")])
+def test_a_trial_of_tracks_is_reviewed_on_its_film_and_goes_on_with_the_corrected_file(
+    real_data, tmp_path, opened, views
+):
+    shutil.copy(real_data("peer-files") / "dlc_single.csv", tmp_path / "m1DLC_net.csv")
+    (tmp_path / "trial.toml").write_text(TRIAL_OF_TRACKS.format(views=views))
+    bench = opened(tmp_path)
+    assert "review" not in bench.session.states[0].steps  # there is no film yet
+    film(tmp_path / ("film.avi" if views else "m1.avi"))
+    bench.look_again()
+    state = bench.session.states[0]
+    assert state.next_step == "gait"
+    assert "review" in state.steps
+    bench.do("review", state.folder)
+    correct(bench, 7, 33.0, 44.0)
+    press(bench.tool, "Save, and analyse the gait")
+    bench.work.wait(120)
+    text = (tmp_path / "trial.toml").read_text()
+    assert 'file = "corrected_m1DLC_net.csv"  # of the network' in text
+    assert load_trial(tmp_path).tracks_file == "corrected_m1DLC_net.csv"
+    state = bench.session.states[0]
+    assert state.next_step == "look"
+    bench.do("review", state.folder)
+    assert len(bench.tool.tool.corrected.corrections) == 1

@@ -21,6 +21,7 @@ import pandas as pd
 from pawnb import figures
 from pawnb.core.compiled import time_compiling
 from pawnb.core.video import open_views
+from pawnb.figures.panels import apart_from_pyplot
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
@@ -326,7 +327,7 @@ def draw_comparison(
         settings=json.loads(json.dumps(dict(settings))),
     )
     out.mkdir(parents=True, exist_ok=True)
-    with figures.style():
+    with figures.style(), apart_from_pyplot():
         axes = figures.plot_compare_methods(drawn)
         record = {**step, "figure": "compare_methods", "name": "compare_methods"}
         save_figure(axes, out / "compare_methods", record=record)

@@ -32,6 +32,7 @@ from pawnb.workflow.provenance.results import (
     tell_fault,
     tell_fault_of_events,
 )
+from pawnb.workflow.reviewing.foreign import CORRECTED
 
 
 @dataclass(frozen=True)
@@ -275,8 +276,9 @@ def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial, boo
 
 def recording_name(path: Path, program: str) -> str:
     """Return what the recording is called whose tracks a program wrote into a file."""
-    # DeepLabCut puts the name of its network behind that of the video
-    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
+    name = path.stem.removeprefix(CORRECTED)
+    if program == "deeplabcut":  # which puts the name of its network behind that of the video
+        name = re.sub(r"(?<=.)DLC(_.*)?$", "", name)
     if program == "sleap":  # which puts what the file is behind it
         name = re.sub(r"(?<=.)\.(analysis|predictions)$", "", name)
     return path.resolve().parent.name if name in ("tracks", "points3d") else name

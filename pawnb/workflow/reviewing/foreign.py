@@ -14,6 +14,9 @@ from pawnb.io.formats import find_entry, read_any_tracks, recognise_format, writ
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 from pawnb.trial import Animal, Trial, View
 
+CORRECTED = "corrected_"
+"""What names of corrected files begin with; the rest is that of the file they came from."""
+
 Videos = str | Path | Sequence[str | Path] | Mapping[str, str | Path]
 """One video, those of the views in their order, or view to video."""
 
@@ -96,6 +99,11 @@ class ForeignTracks:
         """
         with out.writing(refused="nothing was written, and every correction is in its file"):
             return write_any_tracks(self.corrected(tracks), out.path, program=self.program)
+
+
+def corrected_file(path: Path) -> Path:
+    """Return where a review writes the corrected tracks of a file: beside it."""
+    return path.with_name(f"{CORRECTED}{path.name}")
 
 
 def open_foreign(

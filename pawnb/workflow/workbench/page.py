@@ -11,7 +11,7 @@ from typing import Any
 from pawnb.errors import InputError
 from pawnb.files import read_text, write_whole
 from pawnb.workflow.lab import lab_command, run_lab
-from pawnb.workflow.workbench.states import VIDEO_ENDINGS
+from pawnb.workflow.workbench.films import VIDEO_ENDINGS
 
 PAGE = "workbench.ipynb"
 _MARK = "pawnb_workbench"

@@ -18,6 +18,7 @@ from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import find_fault, known_files
 from pawnb.workflow.provenance.results import failure_of, results_folder
+from pawnb.workflow.workbench.films import films_of_tracks
 
 Step = Literal["mend", "calibrate", "start", "track", "review", "gait", "look"]
 WORK_STEPS: dict[Step, str] = {
@@ -32,7 +33,6 @@ WORK_STEPS: dict[Step, str] = {
 """What can come next, and what its button says."""
 DONE = ("described", "calibrated", "started", "tracked", "reviewed", "analysed")
 """What a trial can be, in the order of the work."""
-VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts")
 _DEEPEST = 3
 
 
@@ -54,6 +54,8 @@ class TrialState:
         Its description, where that can be read.
     is_unsaved : bool
         Whether corrections were made in a review that the tracks lack.
+    films : tuple of Path
+        Of tracks that another program made: on what they can be looked at.
     """
 
     folder: Path
@@ -62,6 +64,7 @@ class TrialState:
     wrong: str = ""
     trial: Trial | None = None
     is_unsaved: bool = False
+    films: tuple[Path, ...] = ()
 
     @property
     def next_step(self) -> Step:
@@ -81,7 +84,7 @@ class TrialState:
         """Everything that can be done now, what comes next first."""
         if self.trial is None:
             return ("mend",)
-        can: list[Step] = [self.next_step]
+        can: list[Step] = [self.next_step, *(("review",) if self.films else ())]
         if not self.trial.is_tracked_elsewhere:
             can += ["start", "calibrate"]
             if "started" in self.done:
@@ -136,7 +139,10 @@ def state_of(folder: str | Path) -> TrialState:
     analysed = known_files(results).files_of("gait") and find_fault(results, run="gait") is None
     if analysed and not unsaved:
         done.add("analysed")
-    return TrialState(path, trial.name, frozenset(done), wrong or unsaved, trial, bool(unsaved))
+    films = films_of_tracks(trial) if trial.is_tracked_elsewhere else ()
+    return TrialState(
+        path, trial.name, frozenset(done), wrong or unsaved, trial, bool(unsaved), films
+    )
 
 
 def find_states(folder: str | Path) -> list[TrialState]:
@@ -164,13 +170,6 @@ def find_states(folder: str | Path) -> list[TrialState]:
     for depth in range(_DEEPEST + 1):
         files += folder.glob("/".join([*["*"] * depth, "trial.toml"]))
     return [state_of(file) for file in sorted(files)]
-
-
-def find_videos(folder: str | Path) -> list[Path]:
-    """Return the video files that lie in a folder itself, in the order of their names."""
-    folder = Path(folder)
-    files = folder.iterdir() if folder.is_dir() else ()
-    return sorted(file for file in files if file.suffix.lower() in VIDEO_ENDINGS)
 
 
 def states_table(states: Sequence[TrialState]) -> pd.DataFrame:

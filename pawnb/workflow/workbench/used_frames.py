@@ -1,6 +1,8 @@
-"""The frames of a recording that are used, written into ``trial.toml``."""
+"""Fields that the workbench writes into ``trial.toml``: frames that are used, corrected tracks."""
 
 from __future__ import annotations
+
+import json
 
 from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
@@ -32,17 +34,44 @@ def write_frames(trial: Trial, frames: tuple[int, int]) -> Trial:
     InputError
         If the trial has no ``trial.toml``, or one that cannot be changed here.
     """
+    return _write(trial, "trial", "frames", [int(frame) for frame in frames])
+
+
+def write_tracks_file(trial: Trial, file: str) -> Trial:
+    """Write into ``[tracks]`` of a trial's ``trial.toml`` another file of tracks.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``tracks`` that was read from its ``trial.toml``.
+    file : str
+        The file, relative to the trial.
+
+    Returns
+    -------
+    Trial
+        The trial with these tracks.
+
+    Raises
+    ------
+    InputError
+        If the trial has no ``trial.toml``, or one that cannot be changed here.
+    """
+    return _write(trial, "tracks", "file", file)
+
+
+def _write(trial: Trial, section: str, name: str, value: str | list[int]) -> Trial:
+    """Write a field, and leave everything else as it is."""
     path = trial.path("trial.toml")
-    value = [int(frame) for frame in frames]
     with locked(path, remedy="press again in a moment", wait_s=WAIT_FOR_TRIAL_S):
         before = read_text(path, expected="a trial.toml", most_bytes=MOST_TEXT_BYTES)
         expected = parse_toml(before, where=str(path))
-        expected.setdefault("trial", {})["frames"] = value
-        after = with_field(before, "trial", "frames", value=value)
+        expected.setdefault(section, {})[name] = value
+        after = with_field(before, section, name, value=value)
         if not says(after, expected):
             raise InputError(
-                f"{path}: its frames are not written on a line of a section [trial]; write frames "
-                f"= {value} there yourself."
+                f"{path}: its {name} is not written on a line of a section [{section}]; write "
+                f"{name} = {json.dumps(value, ensure_ascii=False)} there yourself."
             )
         write_text(after, path)
     return load_trial(path)

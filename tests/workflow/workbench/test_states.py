@@ -13,10 +13,10 @@ from pawnb.core.rig import load_rig
 from pawnb.io.native import write_tracks
 from pawnb.workflow.lab import lab_command
 from pawnb.workflow.provenance.manifest import writing_results
+from pawnb.workflow.workbench.films import find_videos
 from pawnb.workflow.workbench.page import PAGE, page_command, write_page
 from pawnb.workflow.workbench.states import (
     find_states,
-    find_videos,
     state_of,
     states_table,
     what_is_wrong,

@@ -12,6 +12,7 @@ import pandas as pd
 
 from pawnb import figures
 from pawnb.errors import InputError, did_you_mean
+from pawnb.figures.panels import apart_from_pyplot
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait.drawing.save_figures import save_figure
 from pawnb.workflow.provenance.labels import label_inputs
@@ -110,7 +111,7 @@ def redraw(record: Mapping[str, Any], files: Mapping[str, Path], folder: Path) -
         for name, file in files.items()
     }  # fmt: skip
     table = tables.pop(_TABLE)
-    with figures.style():
+    with figures.style(), apart_from_pyplot():
         ax = getattr(figures, f"plot_{record['kind']}")(table, **record["settings"], **tables)
         record = {**record, "figure": record["kind"]}
         return save_figure(ax, folder / str(record["name"]), record=record)

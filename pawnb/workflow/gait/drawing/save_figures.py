@@ -8,13 +8,13 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure, SubFigure
 
 from pawnb import figures
 from pawnb.errors import InputError
+from pawnb.figures.panels import apart_from_pyplot
 from pawnb.files import distinct_name, whole_file
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait.drawing.drawings import Drawing
@@ -79,12 +79,11 @@ def save_gait_figures(
         taken.add(name.casefold())
         if only is not None and name not in only:
             continue
-        with figures.style():
+        with figures.style(), apart_from_pyplot():
             try:
                 table, ax = drawing.draw()
             except InputError as error:
                 absent.append((name, str(error)))
-                plt.close("all")
                 continue
             own = {**record, "figure": drawing.kind, "name": name}
             files += save_figure(ax, folder / name, record=own)
@@ -96,7 +95,7 @@ def save_gait_figures(
 
 
 def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]:
-    """Save a figure as png, pdf and svg with its recipe in the metadata, and close it.
+    """Save a figure as png, pdf and svg with its recipe in the metadata.
 
     Parameters
     ----------
@@ -134,7 +133,6 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
         with whole_file(file) as part:
             figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
         files.append(file)
-    plt.close(figure)
     return files
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 import pandas as pd
 import pytest
 from PIL import Image
@@ -104,3 +106,31 @@ def test_names_of_trials_and_animals_never_lead_out_of_the_folder(tmp_path, only
         "gait_diagram_-a_------x-2.csv", "gait_diagram_-a_------x-2.png",
         "gait_diagram_-a_------x.csv", "gait_diagram_-a_------x.png",
     ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_notebook_neither_draws_nor_closes_a_figure_that_is_being_saved(tmp_path, only_png):
+    """The workbench draws off the thread that hears the browser.
+
+    After each message of a widget IPython shows and closes every figure that pyplot knows
+    (matplotlib_inline.backend_inline.flush_figures): one that was being saved came out half empty.
+    And a figure of the person's own stays open.
+    """
+    own = plt.figure()
+    known = []
+    legs = ("FR", "HR")
+
+    def spied(drawing):
+        def draw():
+            drawn = drawing.draw()
+            known.append(plt.get_fignums())
+            return drawn
+
+        return dataclasses.replace(drawing, draw=draw)
+
+    drawings = [spied(one) for one in gait_drawings(analyse_events(events(legs)))]
+    save_gait_figures(drawings, tmp_path, record={"step": "gait"})
+    assert (tmp_path / "not_drawn.csv").exists()
+    assert set(map(tuple, known)) == {(own.number,)}
+    assert plt.get_fignums() == [own.number]
+    plt.close(own)
