@@ -29,7 +29,7 @@ from pawnb.workflow.reviewing.foreign import CORRECTED
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.reviewing.suggest import suggest_frames
 from pawnb.workflow.tracking.track import track
-from pawnb.workflow.workbench.films import find_videos
+from pawnb.workflow.workbench.films import find_videos, is_tracks_file
 from pawnb.workflow.workbench.states import (
     Step,
     TrialState,
@@ -123,8 +123,7 @@ class WorkbenchSession:
                 continue
             if path.resolve() in taken:
                 continue
-            with suppress(PawnbError, OSError):
-                recognise_format(path)
+            if is_tracks_file(path):
                 found.append(path)
         return found
 

@@ -20,6 +20,15 @@ def find_videos(folder: str | Path) -> list[Path]:
     return sorted(file for file in files if file.suffix.lower() in VIDEO_ENDINGS)
 
 
+def is_tracks_file(file: Path) -> bool:
+    """Whether a file holds tracks that can be read."""
+    try:
+        recognise_format(file)
+    except (PawnbError, OSError):
+        return False
+    return True
+
+
 def film_of(file: Path) -> Path | None:
     """Return the video beside a file of tracks with whose name that of the file begins.
 
@@ -33,10 +42,9 @@ def film_of(file: Path) -> Path | None:
     Path or None
         Such as ``m01.avi``; None where there is none, or the file is not one of tracks.
     """
-    try:
-        name = recording_name(file, recognise_format(file))
-    except (PawnbError, OSError):
+    if not is_tracks_file(file):
         return None
+    name = recording_name(file, recognise_format(file))
     fits = [
         video
         for video in find_videos(file.parent)

@@ -11,7 +11,7 @@ from typing import Any
 from pawnb.errors import InputError
 from pawnb.files import read_text, write_whole
 from pawnb.workflow.lab import lab_command, run_lab
-from pawnb.workflow.workbench.films import VIDEO_ENDINGS
+from pawnb.workflow.workbench.films import VIDEO_ENDINGS, is_tracks_file
 
 PAGE = "workbench.ipynb"
 _MARK = "pawnb_workbench"
@@ -115,9 +115,10 @@ def _what(paths: Sequence[str | Path]) -> tuple[Path, list[Path]]:
         return (named[0] if named[0].is_dir() else named[0].parent), []
     odd = [path for path in named if path.suffix.lower() not in VIDEO_ENDINGS]
     if odd:
-        raise InputError(
-            f"{odd[0]}: no video; name one folder, one trial, or the videos of one recording."
-        )
+        said = "name one folder, one trial, or the videos of one recording"
+        if is_tracks_file(odd[0]):
+            said = f"tracks are shown by pawnb open {odd[0].parent}, on the film beside them"
+        raise InputError(f"{odd[0]}: no video; {said}.")
     return named[0].parent, named
 
 
