@@ -83,7 +83,7 @@ def test_the_index_names_every_file_and_links_within_its_folder(tmp_path):
     }  # fmt: skip
     assert f"{HOSTILE}, rows 1-3: was guessed" in found.said
     # whoever is sent the folder finds here how to check it
-    assert "pawnb reproduce . --inputs FOLDER" in found.said
+    assert "pawnb reproduce . --inputs FOLDER" in " ".join(found.said)
     assert source.index("was guessed") < source.index("Six strides") < source.index("strides.csv")
 
 
