@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from pawnb.errors import InputError
+from pawnb.gait.analysis.leg_words import in_english, split_name
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
@@ -40,7 +41,6 @@ _FRONT = ("snout", "nose", "head", "neck")
 _REAR = ("butt", "tailbase", "tail", "abdomen", "hip", "pelvis")
 _NOT_REAR = ("tip", "end", "mid", "middle", "center", "centre", "distal")
 
-_WORDS_OF_NAME = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(
     rf"(?P<rank>{'|'.join(sorted(_RANK_WORDS, key=len, reverse=True))})"
     rf"(?P<limb>{'|'.join(_LIMBS)})s?(?P<side>[lr])?"
@@ -55,7 +55,8 @@ def guess_legs(points: Iterable[str]) -> dict[str, str]:
     Understood are the names that pawnb itself uses (FR, L1, LF, ...), names in words
     (``Front Paw R``, ``hindpaw_left``, ``forelegL4``, ``LF_Claw``, ``claw_L1``), Anipose's fly
     legs (``L1A`` to ``L1E``), and R or B for rear or back legs beside F for front ones (FL, FR,
-    RL, RR). Where several points belong to one leg the outermost is its foot.
+    RL, RR); German, French and Spanish words (``Vorderpfote links``), near and off sides of horses
+    where both are there. Where several points belong to one leg the outermost is its foot.
 
     Parameters
     ----------
@@ -70,7 +71,13 @@ def guess_legs(points: Iterable[str]) -> dict[str, str]:
         numbered. Empty where no name says side and place. A leg that has pawnb's own name keeps
         it; words fill in those of the same kind that are left.
     """
-    points = list(points)
+    english = in_english(points)
+    names = {name: point for point, name in english.items()}
+    return {leg: names[name] for leg, name in _guess(list(names)).items()}
+
+
+def _guess(points: Sequence[str]) -> dict[str, str]:
+    """Guess legs of names in English words."""
     rears = _rear_pairs(points)
     own = {point: point for point in points if find_leg_place(point) is not None}
     guessed = _guess_from_words([point for point in points if point not in own], rears)
@@ -99,29 +106,32 @@ def overlooked_points(points: Iterable[str], legs: Mapping[str, str]) -> list[st
     list of str
         Such as ``left paw``, which does not say whether it is a front one.
     """
-    points = list(points)
-    rears = _rear_pairs(points)
+    english = in_english(points)
+    rears = _rear_pairs(english.values())
     feet = set(legs.values())
     known = {(leg.side, leg.rank) for name in legs if (leg := find_leg_place(name)) is not None}
     found = []
-    for point in points:
-        words = _split(point)
+    for point, name in english.items():
+        words = split_name(name)
         if point in feet or set(words) & _NO_LEGS:
             continue
-        read = _read(point, rears)
+        read = _read(name, rears)
         if read is not None:
             (side, rank), _ = read
             place = find_leg_place(_leg_name(side, rank, six="M" in rank))
             if place is None or (place.side, place.rank) not in known:
                 found.append(point)
-        elif any(word in group for word in words for group in (_LIMBS, *_DISTAL[:2])):
+        elif any(
+            _GLUED.fullmatch(word) or any(word in group for group in (_LIMBS, *_DISTAL[:2]))
+            for word in words
+        ):
             found.append(point)
     return found
 
 
 def _rear_pairs(points: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Return what letters of rear and back legs mean beside those of the front ones."""
-    words = {word for point in points for word in _split(point)}
+    words = {word for point in points for word in split_name(point)}
     if words & {"hl", "hr", "lh", "rh"}:
         return {}
     meant: dict[str, tuple[str, str]] = {}
@@ -227,11 +237,6 @@ def _leg_name(side: str, rank: str, *, six: bool) -> str:
     return f"{side}{rank}" if six or rank.isdigit() else f"{rank}{side}"
 
 
-def _split(point: str) -> list[str]:
-    """Return the words of a name, in small letters."""
-    return [word.lower() for word in _WORDS_OF_NAME.findall(point)]
-
-
 def _read(
     point: str, rears: Mapping[str, tuple[str, str]], *, bare: bool = False
 ) -> tuple[tuple[str, str], int] | None:
@@ -255,7 +260,7 @@ def _read(
     if chain:
         leg = find_leg_place(chain["leg"])
         return ((leg.side, str(leg.rank)), ord("F") - ord(chain["part"])) if leg else None
-    words = _split(point)
+    words = split_name(point)
     if set(words) & _NO_LEGS:
         return None
     side = next((_SIDE_WORDS[word] for word in words if word in _SIDE_WORDS), "")
@@ -306,7 +311,7 @@ def guess_body(points: Iterable[str]) -> tuple[str, str] | None:
         A point at the rear (base of the tail, butt, abdomen) and one in front (snout, nose,
         head, neck), the first of each list that is there; None where there are not both.
     """
-    words = {point: _split(point) for point in points}
+    words = {point: split_name(point) for point in points}
 
     def first(wanted: tuple[str, ...], refused: tuple[str, ...] = ()) -> str | None:
         for word in wanted:

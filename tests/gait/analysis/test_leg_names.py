@@ -85,3 +85,65 @@ def test_legs_that_are_chosen_by_their_names_are_the_points_of_these_legs():
     tracks = make_tracks([0, 1], points, fps=100.0, unit="px")
     assert choose_legs(tracks, legs=["HR", "HL"]) == {"HR": "hindpaw_R", "HL": "hindpaw_L"}
     assert choose_legs(tracks, legs=["tip"]) == {"tip": "tip"}
+
+
+def in_order(*points):
+    """The four legs by the names of the front left, front right, hind left and hind right."""
+    return dict(zip(("FL", "FR", "HL", "HR"), points, strict=True))
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("Vorderpfote links", "Vorderpfote rechts", "Hinterpfote links", "Hinterpfote rechts"),
+        ("linker Vorderfuß", "rechter Vorderfuß", "linker Hinterfuß", "rechter Hinterfuß"),
+        ("vorne_links", "vorne_rechts", "hinten_links", "hinten_rechts"),
+        # VL and VR were left out, and nothing said so, for HL and HR are names of pawnb's own
+        ("VL", "VR", "HL", "HR"),
+        ("Pfote_VL", "Pfote_VR", "Pfote_HL", "Pfote_HR"),
+        ("patte avant gauche", "patte avant droite", "patte arrière gauche",
+         "patte arrière droite"),
+        ("sabot_ant\u00e9rieur_gauche", "sabot_anterieur_droit", "sabot_poste\u0301rieur_gauche",
+         "sabot_posterieur_droit"),
+        ("patte_AVG", "patte_AVD", "patte_ARG", "patte_ARD"),
+        ("pata delantera izquierda", "pata delantera derecha", "pata trasera izquierda",
+         "pata trasera derecha"),
+        # horses: the near side is the left one
+        ("Nearforefoot", "Offforefoot", "Nearhindfoot", "Offhindfoot"),
+        ("Nearside fore", "Offside fore", "Nearside hind", "Offside hind"),
+        ("near_front_hoof", "off_front_hoof", "near_hind_hoof", "off_hind_hoof"),
+        ("foreleft", "foreright", "hindleft", "hindright"),
+        ("leftfront", "rightfront", "lefthind", "righthind"),
+    ],
+)  # fmt: skip
+def test_feet_are_found_by_names_in_other_words(names):
+    assert guess_legs([*names, "Nase"]) == in_order(*names)
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        ["near_fore", "near_hind", "far_fore", "far_hind"],  # of the camera
+        ["near_fore_paw", "near_hind_paw"],
+        ["VL", "VR", "nose"],  # letters mean something only with those of all four legs
+        ["patte_AVG", "patte_AVD"],
+        ["Spitze der Pfote", "Pfote vorne"],
+        ["wrist_L", "wrist_R", "ankle_L", "ankle_R"],  # a person has them as well
+        ["mano izquierda", "pie derecho"],
+    ],
+)
+def test_names_that_may_mean_something_else_are_not_guessed(points):
+    assert guess_legs(points) == {}
+
+
+def test_letters_of_another_language_do_not_change_those_that_are_understood():
+    points = ["FL", "FR", "HL", "HR", "VL", "VR"]
+    assert guess_legs(points) == in_order(*points[:4])
+
+
+def test_a_foot_whose_side_is_mistyped_is_overlooked_aloud():
+    points = ["forepaw_right", "forepaw_lef", "hindpaw_left"]
+    legs = guess_legs(points)
+    assert set(legs.values()) == {"forepaw_right", "hindpaw_left"}
+    assert overlooked_points(points, legs) == ["forepaw_lef"]
+    assert overlooked_points(["Vorderpfote"], {}) == ["Vorderpfote"]
