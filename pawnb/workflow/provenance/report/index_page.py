@@ -11,7 +11,7 @@ from pawnb.workflow.provenance.report.html import beside, link, listed, page, pi
 from pawnb.workflow.provenance.report.words import FILES, figure_order, figure_words
 
 INDEX_FILE = "index.html"
-_AGAIN = (
+_HOW_TO_CHECK = (
     "To check them: pawnb reproduce . in this folder makes each file again from the inputs that "
     "provenance.json names, and says whether it is the same. Where the inputs lie elsewhere: "
     "pawnb reproduce . --inputs FOLDER."
@@ -56,7 +56,7 @@ def index_page(
         *(f"<p>{text(paragraph)}</p>" for paragraph in paragraphs),
         "<h2>Files</h2>",
         f"<table><tbody>{rows}</tbody></table>",
-        f"<p>{text(_AGAIN)}</p>",
+        f"<p>{text(_HOW_TO_CHECK)}</p>",
     ]
     if figures:
         body.append("<h2>Figures</h2>")
