@@ -323,7 +323,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         """Go on to the start of a trial that was just made."""
         self.look_again()
         self._guard(lambda: self.do("start", path.parent))
-        self._tell(f"Wrote {path}. Next: click every point once, then Track.")
+        self._tell(f"Wrote {path}. Next: click every point, or pose the animal, then Track.")
 
     def _open(self, make: Callable[[], Any]) -> None:
         """Open a tool instead of what was open."""

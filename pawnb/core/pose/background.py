@@ -54,12 +54,15 @@ class Background:
         Frames it was estimated from.
     source : str
         Where it comes from, in words: ``frames 0 to 8``, ``picture empty.png``.
+    doubt : str
+        Why it may be wrong, and how to mend it; empty where no empty frame had to be guessed.
     """
 
     mean: np.ndarray
     sd: np.ndarray
     n_frames: int
     source: str
+    doubt: str = ""
 
 
 def find_background(
@@ -185,38 +188,32 @@ def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Backgroun
         f"name empty frames (background_frames) or a picture of the empty scene (background) "
         f"for view {view.name!r} if this is wrong."
     )
-    if stop - first < 2 * KNOWN_FRAMES:
-        background = median_background(reader, frames=frames)
-        warnings.warn(
-            f"{stop - first} frames are too few to tell empty ones; the background is the "
-            f"{background.source}: {how}",
-            InputWarning,
-            stacklevel=3,
-        )
-        return background
     median = median_background(reader, frames=frames)
+    if stop - first < 2 * KNOWN_FRAMES:
+        few = f"{stop - first} frames are too few to tell empty ones"
+        return _doubted(median, f"{few}; the background is the {median.source}: {how}")
     known = mean_background(reader, range(first, first + KNOWN_FRAMES))
     if _shows_animal(known, median):
-        warnings.warn(
+        return _doubted(
+            median,
             f"no empty frames: the animal is there in frame {first} already; the background is "
             f"the {median.source}, right wherever the animal is away for a sixth of the time: "
             f"{how}",
-            InputWarning,
-            stacklevel=3,
         )
-        return median
     presence = find_animal_frames(reader, frames=frames)
     if not _is_seen(reader, presence, known):
-        warnings.warn(
-            f"nothing moves in frames {first} to {stop - 1}: they are all taken for empty; {how}",
-            InputWarning,
-            stacklevel=3,
-        )
-        return mean_background(reader, range(first, stop))
+        still = f"nothing moves in frames {first} to {stop - 1}: they are all taken for empty"
+        return _doubted(mean_background(reader, range(first, stop)), f"{still}; {how}")
     empty = presence.empty_frames()
     return mean_background(
         reader, empty if len(empty) >= KNOWN_FRAMES else range(first, first + KNOWN_FRAMES)
     )
+
+
+def _doubted(background: Background, doubt: str) -> Background:
+    """Return a background that may be wrong, and warn of it."""
+    warnings.warn(doubt, InputWarning, stacklevel=4)
+    return dataclasses.replace(background, doubt=doubt)
 
 
 def _is_seen(reader: ViewReader, presence: Presence, known: Background) -> bool:

@@ -21,6 +21,7 @@ from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, given_or_bar
 from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure_table
+from pawnb.workflow.start.sureness import SURE
 from pawnb.workflow.tracking.methods import stage_parameters
 
 
@@ -191,4 +192,6 @@ def propose_pose_in_views(
         found = propose_pose(one, animal, background, progress=report, **about)
         parameters = parameters_of(["pose_proposal"])["pose_proposal"]
     legs = sure_table("leg", found.sure)
-    return PoseStart(animal, found.pose, legs, found.notes, parameters)
+    # limbs that are in the background as well are not seen against it
+    why = (background.doubt,) if background.doubt and not (legs["sure"] >= SURE).all() else ()
+    return PoseStart(animal, found.pose, legs, (*found.notes, *why), parameters)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-_SURENESS_WORDS = ((0.5, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
+SURE = 0.5
+"""From here on a point or a leg of a proposal is sure."""
+_SURENESS_WORDS = ((SURE, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
 
 
 def sureness_in_words(sure: float) -> str:

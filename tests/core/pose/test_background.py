@@ -139,6 +139,7 @@ def test_background_picture_keeps_its_values_and_takes_its_noise_from_the_record
     background = find_background(reader, view, folder=tmp_path)
     np.testing.assert_array_equal(background.mean, np.round(panel(SIZE)))
     assert np.median(background.sd) == pytest.approx(3.0, rel=0.2)
+    assert background.doubt == ""
     cv2.imwrite(str(tmp_path / "empty.png"), np.zeros((100, 240), np.uint8))
     with pytest.raises(InputError, match="240 x 100 px, but the view is 240 x 160"):
         find_background(reader, view, folder=tmp_path)
@@ -160,6 +161,7 @@ def test_no_empty_frames_is_said_and_the_median_offered(tmp_path):
     with pytest.warns(InputWarning, match="no empty frames.*median of 25 frames"):
         background = find_background(reader, View(name="top", video="x"), folder=tmp_path)
     assert np.abs(background.mean - panel(SIZE)).mean() < 1.0
+    assert "name empty frames (background_frames)" in background.doubt
 
 
 def test_a_recording_in_which_nothing_moves_is_said(tmp_path):
@@ -168,6 +170,7 @@ def test_a_recording_in_which_nothing_moves_is_said(tmp_path):
     with pytest.warns(InputWarning, match="nothing moves"):
         background = find_background(reader, View(name="top", video="x"), folder=tmp_path)
     assert background.n_frames == 12
+    assert background.doubt.startswith("nothing moves")
 
 
 def test_an_animal_that_comes_and_stays_does_not_make_the_empty_frames_doubtful(tmp_path):

@@ -9,7 +9,7 @@ import pytest
 import pawnb
 from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.poses import tip_positions
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
 from pawnb.workflow.calibration.scale import find_grid_scale
@@ -81,3 +81,35 @@ def test_parameters_are_those_of_the_trial_and_recorded(proposal, spider):
     trial = dataclasses.replace(trial, tracking={"pose_proposal": {"noise_sds": 1000.0}})
     with pytest.raises(InputError, match="no animal was found whole"):
         pawnb.propose_start(trial, progress=silent)
+
+
+HANGING = """[trial]
+kind = "pose"
+name = "n"
+fps = 60.0
+frames = [600, 661]
+[animal]
+id = "n"
+species = "spider"
+[[views]]
+name = "top"
+video = "spider_video.mp4"
+crop = [1000, 20, 1280, 360]
+"""
+
+
+@pytest.mark.slow
+def test_legs_that_are_not_found_for_want_of_an_empty_scene_are_said_to_be(real_data, tmp_path):
+    """A spider hangs still throughout: she is in the median of all frames as well."""
+    folder, picture = real_data("spider-nephila"), "background_synth_without_female.png"
+    for name in ("spider_video.mp4", picture):
+        (tmp_path / name).symlink_to(folder / name)
+    (tmp_path / "trial.toml").write_text(HANGING)
+    with pytest.warns(InputWarning, match="no empty frames"):
+        found = pawnb.propose_start(tmp_path, progress=silent)
+    assert not (found.legs["sure"] >= 0.5).all()
+    assert any("a picture of the empty scene (background)" in note for note in found.notes)
+    (tmp_path / "trial.toml").write_text(HANGING + f'background = "{picture}"\n')
+    found = pawnb.propose_start(tmp_path, progress=silent)
+    assert (found.legs["sure"] >= 0.5).all()
+    assert not any("background" in note for note in found.notes)
