@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import pandas as pd
+from scipy.spatial.distance import pdist
 
 _LEAST_STRIDES = 3
 _FREQUENCY_APART = 1.15
 """Legs of one animal step equally often; medians this many times apart are no chance."""
+
+_STILL_OF_DISTANCE = 0.03
+"""Feet move to and fro by half of the distance between them in a run, by a tenth in a shuffle."""
 
 _DUTY_APART = 0.15
 """Contact begins after AEP and ends before PEP, in running mice by up to 0.12 of a stride."""
@@ -21,16 +25,41 @@ def say_implausible(strides: pd.DataFrame) -> list[str]:
     ----------
     strides : pandas.DataFrame
         Strides of one animal and trial, columns ``leg, frequency_hz, duty_factor`` and, where
-        they are known, ``contact_duty_factor`` and ``speed``.
+        they are known, ``contact_duty_factor``, ``speed`` and ``excursion``, ``aep_position``,
+        ``aep_lateral``, ``pep_lateral``.
 
     Returns
     -------
     list of str
-        One sentence each: where legs differ by more than 15 % in their median frequency, where
+        One sentence each: where feet move by less than 3 % of the largest distance between them,
+        where legs differ by more than 15 % in their median frequency, where
         the duty factors of a leg from AEP to PEP and from touch-down to lift-off differ by more
         than 0.15, and where the body goes backwards.
     """
-    return [*_frequencies(strides), *_duties(strides), *_backwards(strides)]
+    return [
+        *_still(strides), *_frequencies(strides), *_duties(strides), *_backwards(strides)
+    ]  # fmt: skip
+
+
+def _still(strides: pd.DataFrame) -> Iterator[str]:
+    """Name legs that hardly move: their strides are the jitter of the tracks."""
+    if not {"excursion", "aep_position", "aep_lateral", "pep_lateral"} <= {*strides}:
+        return
+    across = (strides["aep_lateral"] - strides["pep_lateral"]).fillna(0.0)
+    moved = (strides["excursion"] ** 2 + across**2).pow(0.5).groupby(strides["leg"], sort=False)
+    places = strides.groupby("leg", sort=False)[["aep_position", "aep_lateral"]].median()
+    apart = float(pdist(places.fillna(0.0)).max(initial=0.0))
+    moves = moved.median()[moved.count() >= _LEAST_STRIDES]
+    still = moves[moves < _STILL_OF_DISTANCE * apart]
+    if len(still):
+        whole = len(still) == len(moves)
+        legs = ", ".join(map(str, still.index))
+        yield (
+            f"{legs} move{'s' * (len(still) == 1)} by {still.max():.2g} or less in a stride "
+            f"(median), and the feet are {apart:.3g} apart: "
+            + ("the animal stands still" if whole else "these feet are held still")
+            + ", and these strides are no steps but the jitter of the tracks."
+        )
 
 
 def _frequencies(strides: pd.DataFrame) -> Iterator[str]:

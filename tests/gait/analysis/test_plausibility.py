@@ -69,3 +69,30 @@ def test_nothing_is_said_of_a_sound_walk(duty):
     strides = analyse(Walk(duty=duty).tracks(noise=0.3), belt_speed=300.0).strides
     assert say_implausible(strides) == []
     assert say_implausible(strides.iloc[:0]) == []
+
+
+def test_strides_of_an_animal_that_stands_still_are_said_to_be_jitter():
+    """A spider that hung motionless had 39 strides of 8 legs, and nothing said that it stood."""
+    rng = np.random.default_rng(0)
+    tracks = Walk().tracks()
+    feet = tracks["position"].mean("time")
+    n = tracks.sizes["time"]
+    # a tracker wanders slowly about where the foot is, by 0.3 of 60 mm and more between the feet
+    wander = np.cumsum(rng.normal(0.0, 0.1, (n, *feet.shape)), axis=0)
+    wander -= wander.mean(axis=0)
+    tracks["position"].data[:] = feet.to_numpy() + 0.3 * wander / wander.std(axis=0)
+    tables = analyse(tracks, belt_speed=0.0)
+    assert len(tables.strides)
+    said = [note for note in tables.notes if "stands still" in note]
+    assert len(said) == 1, tables.notes
+    assert "no steps but the jitter of the tracks" in said[0]
+
+
+def test_one_foot_that_is_held_still_is_named():
+    strides = analyse(Walk().tracks(noise=0.3), belt_speed=300.0).strides
+    held = strides["leg"] == strides["leg"].iloc[0]
+    strides.loc[held, ["excursion"]] = 0.1
+    strides.loc[held, "pep_lateral"] = strides.loc[held, "aep_lateral"]
+    (said,) = say_implausible(strides)
+    assert said.startswith(f"{strides['leg'].iloc[0]} moves by 0.1 or less")
+    assert "these feet are held still" in said
