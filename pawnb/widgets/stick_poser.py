@@ -35,7 +35,7 @@ from pawnb.workflow.start.propose_pose import (
     trial_animal,
     trial_background,
 )
-from pawnb.workflow.start.sureness import SURE
+from pawnb.workflow.start.sureness import SURE_FROM
 
 _LENGTH_STEP = 1.02
 
@@ -202,7 +202,7 @@ class StickPoser(FrameCanvas):
             proposal = propose_pose_in_views(
                 self.trial, self._shown, background=self.background(), progress=_silent
             )
-        unsure = proposal.legs[proposal.legs["sure"] < SURE]
+        unsure = proposal.legs[proposal.legs["sure"] < SURE_FROM]
         doubtful = [f"{row.leg} {row.words}" for row in unsure.itertuples()]
         notes = (f"{', '.join(doubtful)}." if doubtful else "All legs are sure.", *proposal.notes)
         self.session.propose(proposal.animal, proposal.pose, notes=notes)

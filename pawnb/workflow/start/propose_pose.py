@@ -21,7 +21,7 @@ from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, given_or_bar
 from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure_table
-from pawnb.workflow.start.sureness import SURE
+from pawnb.workflow.start.sureness import SURE_FROM
 from pawnb.workflow.tracking.methods import stage_parameters
 
 
@@ -193,5 +193,5 @@ def propose_pose_in_views(
         parameters = parameters_of(["pose_proposal"])["pose_proposal"]
     legs = sure_table("leg", found.sure)
     # limbs that are in the background as well are not seen against it
-    why = (background.doubt,) if background.doubt and not (legs["sure"] >= SURE).all() else ()
+    why = (background.doubt,) if background.doubt and not (legs["sure"] >= SURE_FROM).all() else ()
     return PoseStart(animal, found.pose, legs, (*found.notes, *why), parameters)

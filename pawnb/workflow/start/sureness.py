@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-SURE = 0.5
+SURE_FROM = 0.5
 """From here on a point or a leg of a proposal is sure."""
-_SURENESS_WORDS = ((SURE, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
+_SURENESS_WORDS = (
+    (SURE_FROM, "sure"),
+    (0.25, "fairly sure, look at it"),
+    (0.0, "unsure, check it"),
+)
 
 
 def sureness_in_words(sure: float) -> str:
