@@ -116,7 +116,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
             self.trial = made.trial
         else:
             if not session.can_save:
-                raise InputError("not every view is determined yet; click on.")
+                raise InputError(f"not every view is determined yet. {session.prompt()}")
             if session.written is None:
                 made.edit("action", {"action": "save", "frame": made.frame})
             if session.written is not None:

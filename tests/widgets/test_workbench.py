@@ -325,8 +325,10 @@ def test_views_that_are_not_calibrated_are_on_the_same_page(described, opened):
         form.begin()
     form.file.value = "known.csv"
     form.begin()
-    with pytest.raises(InputError, match="not every view is determined yet"):
+    with pytest.raises(InputError, match="not every view is determined yet") as refused:
         form.use()
+    # what to do next is that of the pictures: a board is found, not clicked
+    assert str(refused.value).endswith(form.digitiser.session.prompt())
     for k, uv in enumerate(rig.project(xyz)):
         for view, (u, v) in zip(rig.names, uv, strict=True):
             click = {"frame": 0, "view": view, "point": f"p{k}", "u": u, "v": v}
