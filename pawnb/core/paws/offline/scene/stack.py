@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -149,10 +150,12 @@ def read_stacks(
     once = n * sum(each) <= _KEPT_BYTES
 
     def read(take: Callable[[_Crops, np.ndarray], None], before: int, each: int) -> bool:
+        def taken(crop: _Crops, picture: Any) -> None:
+            take(crop, picture.image())
+
         with Threads() as pool:
             for row, (_, pictures) in enumerate(views.frames(*frames)):
-                images = [pictures[name].image() for name in names]  # type: ignore[attr-defined]
-                list(pool.map(take, crops, images))
+                list(pool.map(taken, crops, [pictures[name] for name in names]))
                 if not advanced(before + each * (row + 1)):
                     return False
         return True
