@@ -253,7 +253,8 @@ class _Crops:
         if self.shrinks:
             centre = 0.5 / self.scale - 0.5  # of the first pixel, in those of the view
             A = A @ np.array([[1 / self.scale, 0, centre], [0, 1 / self.scale, centre], [0, 0, 1]])
-        return cv2.warpAffine(picture, A, self.size, borderMode=cv2.BORDER_REPLICATE)
+        crop = cv2.warpAffine(picture, A, self.size, borderMode=cv2.BORDER_REPLICATE)
+        return np.asarray(crop, np.uint8)
 
     def _crop_kept(self, row: int) -> ByteArray:
         """Return what is in the body's frame of a picture that was kept; it is so no longer."""
