@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any, TypeVar
 
+import cv2
 from threadpoolctl import ThreadpoolController
 
 _Item = TypeVar("_Item")
@@ -42,7 +43,7 @@ class Threads(ThreadPoolExecutor):
 
 
 class _OneThread:
-    """How many blocks ask for products on one thread, and what gives the threads back."""
+    """How many blocks ask for calls on one thread, and what gives the threads back."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -55,6 +56,8 @@ class _OneThread:
             if not self._asked:
                 limits = ThreadpoolController().limit(limits=1, user_api="blas")
                 self._given_back.enter_context(limits)
+                self._given_back.callback(cv2.setNumThreads, cv2.getNumThreads())
+                cv2.setNumThreads(1)
             self._asked += 1
 
     def leave(self) -> None:
@@ -69,13 +72,13 @@ _one_thread = _OneThread()
 
 
 @contextlib.contextmanager
-def products_on_one_thread() -> Iterator[None]:
-    """Let each product of matrices run on the thread that asks for it, while the block runs.
+def calls_on_one_thread() -> Iterator[None]:
+    """Let products of matrices and OpenCV run on the thread that asks, while the block runs.
 
-    Where several threads multiply small matrices at once, the linear algebra's own threads wait
-    for each other by counting: on a busy machine learnt tracking took five times as much
-    processor time. Results are the same, bit for bit. Blocks may overlap, on any threads: the
-    last to end gives the threads back.
+    Where several threads call at once, threads of the linear algebra and of OpenCV wait by
+    counting: on a busy machine learnt tracking took five times as much processor time by those of
+    the one, and a twentieth more by those of the other. Results are the same, bit for bit. Blocks
+    may overlap, on any threads: the last to end gives the threads back.
     """
     _one_thread.enter()
     try:

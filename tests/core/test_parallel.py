@@ -2,11 +2,12 @@
 
 import threading
 
+import cv2
 import numpy as np
 import pytest
 from threadpoolctl import ThreadpoolController, threadpool_limits
 
-from pawnb.core.parallel import in_parts, on_threads, products_on_one_thread
+from pawnb.core.parallel import calls_on_one_thread, in_parts, on_threads
 from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 
@@ -46,7 +47,7 @@ def threads_of_products():
 
 def test_products_are_of_one_thread_until_the_last_block_ends():
     with threadpool_limits(3, user_api="blas"):
-        first, second = products_on_one_thread(), products_on_one_thread()
+        first, second = calls_on_one_thread(), calls_on_one_thread()
         first.__enter__()
         assert threads_of_products() == 1
         second.__enter__()
@@ -56,8 +57,27 @@ def test_products_are_of_one_thread_until_the_last_block_ends():
         assert threads_of_products() == 3
 
 
+@pytest.fixture
+def three_of_opencv():
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(3)
+    yield
+    cv2.setNumThreads(before)
+
+
+@pytest.mark.usefixtures("three_of_opencv")
+def test_opencv_is_of_one_thread_until_the_last_block_ends():
+    first, second = calls_on_one_thread(), calls_on_one_thread()
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert cv2.getNumThreads() == 1
+    second.__exit__(None, None, None)
+    assert cv2.getNumThreads() == 3
+
+
 def test_a_block_that_fails_gives_the_threads_back():
     with threadpool_limits(3, user_api="blas"):
-        with pytest.raises(ZeroDivisionError), products_on_one_thread():
+        with pytest.raises(ZeroDivisionError), calls_on_one_thread():
             _ = 1 / 0
         assert threads_of_products() == 3

@@ -14,6 +14,7 @@ import pawnb
 from pawnb.core.parallel import Threads
 from pawnb.core.parameters import (
     REASONS,
+    _assigned,
     changed_in_force,
     constants_of,
     defaults_of,
@@ -94,6 +95,25 @@ def modules():
     for path in sorted(path for room in ROOMS for path in room.rglob("*.py")):
         if not path.name.endswith(("parameters.py", "settings.py")):
             yield path, ast.parse(path.read_text("utf-8"))
+
+
+def parsed_names(tree):
+    """What a module assigns at its top level, by Python's own parser."""
+    targets = [node.targets for node in tree.body if isinstance(node, ast.Assign)]
+    targets += [[node.target] for node in tree.body if isinstance(node, ast.AnnAssign)]
+    names = [one.id for some in targets for target in some for one in ast.walk(target)
+             if isinstance(one, ast.Name)]  # fmt: skip
+    return sorted({name for name in names if name.lstrip("_").isupper()})
+
+
+@pytest.mark.slow
+def test_names_that_a_module_assigns_are_read_off_its_lines():
+    paths = sorted(path for room in ROOMS for path in room.rglob("*.py"))
+    found = {path: _assigned(path.read_text("utf-8")) for path in paths}
+    assert found == {path: parsed_names(ast.parse(path.read_text("utf-8"))) for path in paths}
+    assert sum(map(len, found.values())) > 100
+    text = "A, _B = 1, 2\n(C, D) = 3, 4\nE: dict[str, int] = {}\nF_2 += 1\nG == 2\n  H = 5\n"
+    assert _assigned(text) == ["A", "C", "D", "E", "_B"]
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.parallel import products_on_one_thread
+from pawnb.core.parallel import calls_on_one_thread
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -30,7 +30,7 @@ BY_COLOUR, STRIDES, BY_LEARNT = "colour", "strides", "learnt"
 """What tracks may be found by; kept in their attribute ``evidence``."""
 
 
-@products_on_one_thread()
+@calls_on_one_thread()
 def track_offline(
     views: Views,
     start: pd.DataFrame,

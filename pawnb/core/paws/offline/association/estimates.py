@@ -48,16 +48,17 @@ def estimate(posterior: Float32Array, radius: float) -> Estimates:
         Of the n frames.
     """
     reach = int(np.ceil(radius))
-    y, x = np.mgrid[: posterior.shape[1], : posterior.shape[2]]
+    y, x = np.ogrid[: posterior.shape[1], : posterior.shape[2]]
 
     def one(mass: Float32Array) -> tuple[float, float, float, float]:
         mode = np.unravel_index(
             cv2.GaussianBlur(mass, (0, 0), LINKS.mode_blur).argmax(), mass.shape
         )
-        part = tuple(slice(max(0, int(m) - reach), int(m) + reach + 1) for m in mode)
-        near = mass[part] + 1e-20
+        rows, columns = (slice(max(0, int(m) - reach), int(m) + reach + 1) for m in mode)
+        near = mass[rows, columns] + 1e-20
         within = near.sum()
-        at_x, at_y = (near * x[part]).sum() / within, (near * y[part]).sum() / within
+        at_x = (near * x[:, columns]).sum() / within
+        at_y = (near * y[rows]).sum() / within
         spread = (mass * ((x - at_x) ** 2 + (y - at_y) ** 2)).sum() / max(mass.sum(), 1e-20)
         return at_x, at_y, float(within / (mass.sum() + 1e-20)), float(np.sqrt(spread / 2))
 

