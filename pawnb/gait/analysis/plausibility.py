@@ -55,10 +55,11 @@ def _still(strides: pd.DataFrame) -> Iterator[str]:
         whole = len(still) == len(moves)
         legs = ", ".join(map(str, still.index))
         yield (
-            f"{legs} move{'s' * (len(still) == 1)} by {still.max():.2g} or less in a stride "
-            f"(median), and the feet are {apart:.3g} apart: "
-            + ("the animal stands still" if whole else "these feet are held still")
-            + ", and these strides are no steps but the jitter of the tracks."
+            f"{legs} move{'s' * (len(still) == 1)} by {still.max() / apart:.1%} of the largest "
+            "distance between the feet, or less, in a stride (median): "
+            + ("the animal seems to stand still" if whole else "these feet seem to be held still")
+            + ", and these strides to be the jitter of the tracks. Animals with many short legs "
+            "may step so."
         )
 
 

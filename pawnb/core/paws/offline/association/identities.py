@@ -23,7 +23,7 @@ from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
-_WHOLE = 1e-6
+_INTEGER_WITHIN = 1e-6
 """Numerics: a flow is 0 or 1 up to so much, HiGHS's own tolerance."""
 
 
@@ -195,28 +195,28 @@ def _solve(arcs: _Arcs, gains: FloatArray, n_points: int) -> FloatArray:
         ),
         shape=(len(gains), n_points * n_arcs),
     ).tocsr()
-    whole = np.zeros(n_points * n_arcs, int)
-    whole[(np.arange(n_points)[:, None] * n_arcs + through).ravel()] = 1
+    integer = np.zeros(n_points * n_arcs, int)
+    integer[(np.arange(n_points)[:, None] * n_arcs + through).ravel()] = 1
     share = np.zeros((len(gains), n_points))
     limits = [LinearConstraint(flow, supply, supply), LinearConstraint(owners, ub=1.0)]
-    found = _cheapest(cost.ravel(), whole, limits)
+    found = _cheapest(cost.ravel(), integer, limits)
     if found is not None:
         share[arcs.tracklet[through]] = found.reshape(n_points, n_arcs)[:, through].T
     return share
 
 
 def _cheapest(
-    cost: FloatArray, whole: IntArray, limits: Sequence[LinearConstraint]
+    cost: FloatArray, integer: IntArray, limits: Sequence[LinearConstraint]
 ) -> FloatArray | None:
     """Return flows of 0 to 1 at the least cost, 0 or 1 where they must be; None if none is found.
 
-    Nearly always those of the linear programme are whole already, and no others cost less. It is
-    solved in a seventh of the time.
+    The optimum of the linear relaxation nearly always is an integer one, and no other costs less.
+    It is found in a seventh of the time.
     """
     asked: dict[str, Any] = {"bounds": Bounds(0, 1), "constraints": limits}
     found = milp(cost, options={"presolve": False}, **asked).x
-    if found is not None and (np.abs(found - np.rint(found))[whole > 0] < _WHOLE).all():
+    if found is not None and (np.abs(found - np.rint(found))[integer > 0] < _INTEGER_WITHIN).all():
         return np.asarray(found)
     options = {"node_limit": LINKS.most_nodes, "mip_rel_gap": LINKS.solver_gap}
-    found = milp(cost, integrality=whole, options=options, **asked).x
+    found = milp(cost, integrality=integer, options=options, **asked).x
     return None if found is None else np.asarray(found)

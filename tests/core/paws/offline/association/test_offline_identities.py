@@ -87,7 +87,9 @@ def test_without_tracklets_nothing_is_given():
     assert given([], np.empty((0, 2)), {}) == []
 
 
-def test_paths_that_are_whole_at_once_are_not_sought_among_whole_ones(crossing, monkeypatch):
+def test_where_the_linear_relaxation_is_integer_no_integer_programme_is_solved(
+    crossing, monkeypatch
+):
     asked = []
     monkeypatch.setattr(
         identities, "milp", lambda cost, **k: asked.append("integrality" in k) or milp(cost, **k)
@@ -97,7 +99,7 @@ def test_paths_that_are_whole_at_once_are_not_sought_among_whole_ones(crossing, 
     assert asked == [False]
 
 
-def test_where_the_cheapest_are_not_whole_the_cheapest_whole_ones_are_taken():
+def test_where_the_linear_relaxation_is_not_integer_the_integer_programme_is_solved():
     """Of three of which any two exclude each other: halves of all three are the cheapest."""
     pairs = LinearConstraint(np.array([[1, 1, 0], [0, 1, 1], [1, 0, 1]]), ub=1.0)
     cost = np.array([-1.0, -1.0, -1.2])
