@@ -241,13 +241,13 @@ def style(**options: Any) -> Iterator[None]:
 
 
 @contextmanager
-def _settings(settings: Mapping[str, Any]) -> Iterator[None]:
+def _settings(settings: Any) -> Iterator[None]:
     """Give matplotlib other settings inside a ``with`` block.
 
     Settings are those of all threads. Blocks of two threads may end in the order in which they
     began: the first then leaves it to the second to give back what was before both.
     """
-    own = [mpl.rc_context(dict(settings))]
+    own: list[AbstractContextManager[None]] = [mpl.rc_context(settings)]
     with _one_at_a_time:
         own[0].__enter__()
         _open.append(own)
