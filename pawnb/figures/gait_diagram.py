@@ -152,7 +152,8 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     legs = list(dict.fromkeys(table["leg"]))
     with style():
         if ax is None:
-            _, ax = new_axes(figsize=figure_size(1, 20.0 + 5.0 * len(legs)))
+            # one leg has the room of two: the name of the axis would be cut off
+            _, ax = new_axes(figsize=figure_size(1, 20.0 + 5.0 * max(2, len(legs))))
         colours = colour_legs(legs)
         for bar in table.itertuples():
             draw_stance_bar(ax, bar, legs.index(str(bar.leg)), colour=colours[str(bar.leg)])

@@ -8,8 +8,9 @@ follows it.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, fields, replace
 from typing import Any, NamedTuple
 
@@ -113,6 +114,11 @@ _DEFAULT = StyleOptions()
 _in_force = [_DEFAULT]
 """The options of each ``with`` block inside the other; the last count. No context variable: those
 do not outlive the cell of a notebook."""
+
+_open: list[list[AbstractContextManager[None]]] = []
+"""The blocks in which matplotlib has other settings, in the order in which they began, each with
+what gives back the settings from before it. Blocks of other threads are among them."""
+_one_at_a_time = threading.Lock()
 
 _FIXED: dict[str, Any] = {
     "font.family": "sans-serif",
@@ -223,15 +229,39 @@ def style(**options: Any) -> Iterator[None]:
     if options:
         _in_force.append(chosen)
     try:
-        with mpl.rc_context(_FIXED | sizes | more):
+        with _settings(_FIXED | sizes | more):
             yield
             # the first figure loads the notebook's backend, which turns interactive mode on:
             # that must outlive the block, or no later figure of the notebook is shown
             interactive = mpl.is_interactive()
         mpl.interactive(interactive)
     finally:
-        if options:
-            _in_force.pop()
+        if options:  # that of another thread may have been put on top
+            _in_force[:] = [one for one in _in_force if one is not chosen]
+
+
+@contextmanager
+def _settings(settings: Any) -> Iterator[None]:
+    """Give matplotlib other settings inside a ``with`` block.
+
+    Settings are those of all threads. Blocks of two threads may end in the order in which they
+    began: the first then leaves it to the second to give back what was before both.
+    """
+    own: list[AbstractContextManager[None]] = [mpl.rc_context(settings)]
+    with _one_at_a_time:
+        own[0].__enter__()
+        _open.append(own)
+    try:
+        yield
+    finally:
+        with _one_at_a_time:
+            place = next(k for k, block in enumerate(_open) if block is own)
+            del _open[place]
+            if place < len(_open):
+                _open[place] += own
+            else:
+                for before in own:
+                    before.__exit__(None, None, None)
 
 
 def small_pt() -> float:

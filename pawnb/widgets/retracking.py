@@ -27,6 +27,7 @@ from pawnb.workflow.export.film import export_film
 from pawnb.workflow.export.sheet import export_sheet
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, find_fault
 from pawnb.workflow.provenance.results import provenance_steps, write_track_results
+from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.tracking.track import retrack as workflow_retrack
 
 _NOT_SAVED = (
@@ -313,6 +314,7 @@ class Retracking(TimelineCanvas):
             self._show_state(f"tracking again from frame {frame} on", busy=True)
             said, go = self.corrected.retrack(frame, learn=learn, stretch=stretch), frame
             self._tracked_again()
+            said += f"; now {assess_quality(self.corrected.tracks).line()}"
         except (PawnbError, OSError) as error:
             self.alarm, said = str(error), "the tracks are as they were"
         except BaseException:

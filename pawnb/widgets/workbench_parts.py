@@ -91,7 +91,9 @@ def step_menu(steps: Sequence[Step], do: Callable[[Step], object]) -> Any:
 
 
 def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:
-    """Return figures to look through, one at a time, below what a reader must know of them.
+    """Return figures to look through, one at a time, with what a reader must know of them.
+
+    The first note stands above the figure, and the others below it: of many trials they are long.
 
     Parameters
     ----------
@@ -105,9 +107,11 @@ def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:
     widget
         All of it.
     """
-    said = [cell(note, None, wrap=True) for note in notes if note]
+    first, *more = [cell(note, None, wrap=True) for note in notes if note] or [cell("", None)]
     if not figures:
-        return widgets.VBox(said)
+        return widgets.VBox([first, *more])
+    n = len(more)
+    pointer = f"{n} more note{'' if n == 1 else 's'} below the figure." if n else ""
     picture = widgets.Image(layout={"max_width": "min(100%, 900px)"})
     choice = widgets.Dropdown(
         options=[(path.stem, str(path)) for path in figures], description="figure",
@@ -119,4 +123,5 @@ def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:
 
     choice.observe(show, names="value")
     show()
-    return widgets.VBox([*said, choice, picture])
+    above = [first, cell(pointer, None)] if pointer else [first]
+    return widgets.VBox([*above, choice, picture, *more])

@@ -137,3 +137,11 @@ def test_names_with_dollar_signs_are_drawn_as_they_are(tmp_path):
     ax = plot_gait_diagram(table)
     ax.figure.savefig(tmp_path / "diagram.svg")
     assert name in (tmp_path / "diagram.svg").read_text()
+
+
+def test_the_name_of_the_axis_is_whole_where_there_is_one_leg():
+    ax = plot_gait_diagram(build_gait_diagram_table(events(FL=TWO["FL"])))
+    ax.figure.canvas.draw()
+    named = ax.yaxis.label.get_window_extent()
+    assert named.y0 >= 0
+    assert named.y1 <= ax.figure.bbox.height

@@ -185,3 +185,17 @@ def test_svg_keeps_its_text():
         file = io.BytesIO()
         draw().figure.savefig(file, format="svg")
     assert b">Time (s)</text>" in file.getvalue()
+
+
+def test_blocks_of_two_threads_leave_matplotlib_as_it_was_in_whichever_order_they_end():
+    """An analysis draws in a thread while a notebook draws, too."""
+    before = mpl.rcParams.copy()
+    first, second = style(font_size_pt=8.0), style(font_size_pt=9.0)
+    first.__enter__()
+    second.__enter__()
+    first.__exit__(None, None, None)
+    assert get_style().font_size_pt == 9.0
+    assert mpl.rcParams["font.size"] == 9.0  # of the block that goes on
+    second.__exit__(None, None, None)
+    assert mpl.rcParams == before
+    assert get_style() == StyleOptions()

@@ -17,6 +17,7 @@ from pawnb.io.native import write_tracks
 from pawnb.widgets import TrackReviewer
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.results import describe_trial, write_track_results
+from pawnb.workflow.reviewing.quality import assess_quality
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +59,9 @@ def test_doubtful_frames_are_found_by_themselves_and_again_after_tracking_again(
     widget._worker.join(60)
     assert widget.alarm == ""
     assert offered(widget) == []
+    # the verdict from before is that of other tracks
+    verdict = assess_quality(widget.tracks).line()
+    assert widget.status.startswith(f"Tracked again from frame 19 on; now {verdict}")
 
 
 def test_a_frame_rate_that_was_mended_since_tracking_is_used(trial_file, tmp_path, monkeypatch):

@@ -18,6 +18,7 @@ from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import find_fault, known_files
 from pawnb.workflow.provenance.results import failure_of, results_folder
+from pawnb.workflow.reviewing.foreign import CORRECTED
 from pawnb.workflow.workbench.films import films_of_tracks
 
 Step = Literal["mend", "calibrate", "start", "track", "review", "gait", "look"]
@@ -134,7 +135,7 @@ def state_of(folder: str | Path) -> TrialState:
     if trial.is_tracked_elsewhere or (results / "tracks.nc").exists():
         done.add("tracked")
     unsaved = "" if trial.is_tracked_elsewhere else _unsaved(results)
-    if trial.is_tracked_elsewhere or (_has_edits(results / "edits.jsonl") and not unsaved):
+    if _is_corrected(trial) or (_has_edits(results / "edits.jsonl") and not unsaved):
         done.add("reviewed")
     analysed = known_files(results).files_of("gait") and find_fault(results, run="gait") is None
     if analysed and not unsaved:
@@ -217,6 +218,11 @@ def _has_start(trial: Trial) -> bool:
         return True
     start = kind_of(trial).start_file(trial)
     return start is not None and trial.path(start).exists()
+
+
+def _is_corrected(trial: Trial) -> bool:
+    """Whether tracks that another program made are those that a review has saved."""
+    return any(Path(file).name.startswith(CORRECTED) for file in trial.track_files)
 
 
 def _unsaved(results: Path) -> str:

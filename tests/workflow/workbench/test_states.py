@@ -142,3 +142,16 @@ def test_the_page_opens_alone_and_its_cell_is_run_by_our_extension(tmp_path):
     # without that, it is what pawnb lab does
     plain = lab_command(tmp_path / PAGE, browser=False, port=8899)
     assert [word.replace("/lab/tree/", "/doc/tree/") for word in plain] == words[:-1]
+
+
+def test_tracks_made_elsewhere_are_reviewed_once_a_review_has_saved_them(tmp_path):
+    text = (
+        '[trial]\nkind = "tracks"\nname = "m1"\nfps = 100\n[animal]\nid = "m1"\n'
+        '[tracks]\nfile = "{}"\n'
+    )
+    for file, told in (("m1DLC.csv", False), ("corrected_m1DLC.csv", True)):
+        (tmp_path / "trial.toml").write_text(text.format(file))
+        state = state_of(tmp_path)
+        assert "tracked" in state.done
+        assert ("reviewed" in state.done) is told
+        assert state.next_step == "gait"

@@ -1,0 +1,19 @@
+"""Parts of the workbench that need no trial."""
+
+import matplotlib.pyplot as plt
+
+from pawnb.widgets.workbench_parts import show_results
+
+
+def test_of_many_notes_the_first_stands_above_the_figure_and_the_others_below(tmp_path):
+    figure = plt.figure(figsize=(1, 1))
+    figure.savefig(tmp_path / "gait.png")
+    plt.close(figure)
+    shown = show_results([tmp_path / "gait.png"], ["verdict", "", "a", "b"])
+    kinds = [type(part).__name__ for part in shown.children]
+    assert kinds == ["Label", "Label", "Dropdown", "Image", "Label", "Label"]
+    labels = [part.value for part in shown.children if type(part).__name__ == "Label"]
+    assert labels == ["verdict", "2 more notes below the figure.", "a", "b"]
+    alone = show_results([tmp_path / "gait.png"], ["verdict"])
+    assert [type(part).__name__ for part in alone.children] == ["Label", "Dropdown", "Image"]
+    assert [part.value for part in show_results([], ["verdict", "a"]).children] == ["verdict", "a"]
