@@ -20,11 +20,7 @@ from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.hidden import with_hidden_sd
-from pawnb.core.paws.offline.treadmill.learnt_appearance import (
-    is_seen_from_below,
-    strides_may_tell,
-    track_by_strides,
-)
+from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill, warn_of_ambiguous_colour
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.pixels.grey import has_colour
@@ -54,7 +50,7 @@ def track_offline(
     are tracked in the same way by a look that is learnt
     (:func:`.learnt_appearance.track_by_strides`), and these tracks are kept if clearly more labels
     are expected to be right and two names lie on one place in hardly a frame, or in fewer than by
-    colour. Seen from below in grey both ways are tried. Where neither applies,
+    colour. Where neither applies,
     or tracks failed (on the real clips on which colour does not tell paws 7 to 37 % of labels are
     expected to be right, on rendered scenes 83 % and more), points are tracked by
     :func:`.learnt_run.track_learnt`; as well where clicks were added since its last run. Where one
@@ -85,8 +81,6 @@ def track_offline(
     enough = RUN.colour_enough if n >= RUN.colour_long else RUN.colour_poor
     best: tuple[Quality, Tracks, float] | None = None
     ways = _ways(views, start, task, settings=settings, looked=looked)
-    # a mouse in a wheel was good by brightness, with 91 % of its marks right, and by strides with all
-    by_brightness = ways == [BY_COLOUR, STRIDES] and not _has_colour(views, start)
     if stacks is not None and looked is None and goes_on(views, start, task, stacks=stacks):
         ways = []  # found to fail by the run that is gone on from
     for kind in ways:
@@ -103,7 +97,7 @@ def track_offline(
             and _is_better(quality, best[0], shared=best[2])
         ):
             best = quality, tracks, shared
-        if best[0].expected_right >= enough and not by_brightness:
+        if best[0].expected_right >= enough:
             break
     kept = best if best is not None and best[0].verdict != "failed" else None
     if kept is None or kept[0].has_failed_point:
@@ -144,11 +138,8 @@ def _ways(
     if settings.evidence == BY_LEARNT:
         return []
     by_strides = strides_may_tell(views, start, task, settings=settings)
-    # from the side, brightness alone tells a paw worse than a look that is learnt; from below, of
-    # 1000 labels of ten rendered films in grey 0.5 were wrong by brightness, 2 by a learnt look
-    by_colour = (
-        not by_strides or _has_colour(views, start) or is_seen_from_below(views, start, task)
-    )
+    # brightness alone tells a paw worse than a look that is learnt
+    by_colour = not by_strides or _has_colour(views, start)
     ways = []
     if by_colour and _colour_may_tell(views, start, task, settings, looked):
         ways.append(BY_COLOUR)

@@ -30,7 +30,7 @@ from pawnb.core.paws.offline.detection.predictions import judge_predictions
 from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks
 from pawnb.core.paws.offline.parameters import APPEARANCE, AppearanceParameters
-from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view, move_anchors
+from pawnb.core.paws.offline.scene.treadmill import Scene, move_anchors
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.annotated import Annotated, read_request_and_annotations
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
@@ -76,12 +76,6 @@ def strides_may_tell(
     paws = asked.of(~marks)
     kinds = set(paws.layout.kinds)
     return kinds == {"front", "hind"}
-
-
-def is_seen_from_below(views: Views, start: pd.DataFrame, task: TrackingRequest) -> bool:
-    """Tell whether a calibrated view from below leads; parameters are as before."""
-    asked = read_request_and_annotations(views, start, task)
-    return leading_view(asked.layout, asked.anchors) is not None
 
 
 def track_by_strides(
