@@ -20,7 +20,11 @@ from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.hidden import with_hidden_sd
-from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
+from pawnb.core.paws.offline.treadmill.learnt_appearance import (
+    is_seen_from_below,
+    strides_may_tell,
+    track_by_strides,
+)
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill, warn_of_ambiguous_colour
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.pixels.grey import has_colour
@@ -138,17 +142,22 @@ def _ways(
     if settings.evidence == BY_LEARNT:
         return []
     by_strides = strides_may_tell(views, start, task, settings=settings)
-    # brightness alone tells a paw worse than a look that is learnt
-    by_colour = not by_strides or _has_colour(views, start)
+    # from the side brightness alone is worse than a look that is learnt; from below neither
+    # is throughout the better one (docs/accuracy.md), and brightness stays where it is good
+    by_colour = (
+        not by_strides
+        or _has_colour(views, int(start["frame"].iloc[0]))
+        or is_seen_from_below(views, start, task)
+    )
     ways = []
     if by_colour and _colour_may_tell(views, start, task, settings, looked):
         ways.append(BY_COLOUR)
     return [*ways, STRIDES] if by_strides else ways
 
 
-def _has_colour(views: Views, start: pd.DataFrame) -> bool:
+def _has_colour(views: Views, frame: int) -> bool:
     """Tell whether any view is in colour."""
-    pictures = views.frame(int(start["frame"].iloc[0]))
+    pictures = views.frame(frame)
     sizes = {name: views.readers[name] for name in views.names}
     return any(
         has_colour(pictures[name].crop(0, 0, reader.width, reader.height))

@@ -30,7 +30,7 @@ from pawnb.core.paws.offline.detection.predictions import judge_predictions
 from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks
 from pawnb.core.paws.offline.parameters import APPEARANCE, AppearanceParameters
-from pawnb.core.paws.offline.scene.treadmill import Scene, move_anchors
+from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view, move_anchors
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.annotated import Annotated, read_request_and_annotations
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
@@ -49,10 +49,6 @@ def strides_may_tell(
     views: Views, start: pd.DataFrame, task: TrackingRequest, *, settings: OfflineSettings
 ) -> bool:
     """Tell whether paws can be tracked so: front and hind ones, in calibrated views.
-
-    Also with a view from below. Measured: a mouse in a wheel (real clip) has 98 to 100 % of its
-    marks right from one to five clicked frames, also in a quarter of the light, at half the size or
-    the rate and in H.264 of crf 33; by brightness 50 to 96 %.
 
     Parameters
     ----------
@@ -76,6 +72,28 @@ def strides_may_tell(
     paws = asked.of(~marks)
     kinds = set(paws.layout.kinds)
     return kinds == {"front", "hind"}
+
+
+def is_seen_from_below(views: Views, start: pd.DataFrame, task: TrackingRequest) -> bool:
+    """Tell whether a calibrated view from below leads: it shows all paws.
+
+    Parameters
+    ----------
+    views, start, task
+        As for :func:`track_by_strides`.
+
+    Returns
+    -------
+    bool
+        Whether there is one.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit.
+    """
+    asked = read_request_and_annotations(views, start, task)
+    return leading_view(asked.layout, asked.anchors) is not None
 
 
 def track_by_strides(

@@ -14,7 +14,11 @@ from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import track_offline
 from pawnb.core.paws.offline.treadmill import learnt_appearance
-from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
+from pawnb.core.paws.offline.treadmill.learnt_appearance import (
+    is_seen_from_below,
+    strides_may_tell,
+    track_by_strides,
+)
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
@@ -142,6 +146,7 @@ def test_views_without_calibration_are_not_for_it(scene):
         alone = dataclasses.replace(task_of(trial), rig=None)
         assert not strides_may_tell(views, start, alone, settings=OfflineSettings())
         assert strides_may_tell(views, start, task_of(trial), settings=OfflineSettings())
+        assert not is_seen_from_below(views, start, task_of(trial))
 
 
 def test_paws_seen_from_below_may_be_tracked_so(tmp_path):
@@ -153,6 +158,7 @@ def test_paws_seen_from_below_may_be_tracked_so(tmp_path):
     start = pd.read_csv(trial.folder / "start.csv")
     task = task_of(trial, frames=(0, 2))
     with open_views(trial) as views:
+        assert is_seen_from_below(views, start, task)
         assert strides_may_tell(views, start, task, settings=OfflineSettings())
 
 
