@@ -389,6 +389,8 @@ w""")
     for key, learn in (("r", [True, False]), ("l", [True, False, True])):
         notebook.press(key)
         notebook.until("[[step[2] for step in learnt()], w.session.busy]", [learn, False])
+        # keys are heard again once what was done is said
+        notebook.wait("c.status.innerText.startsWith('Tracked again from frame 4 on')")
     notebook.assert_no_errors()
 
 
