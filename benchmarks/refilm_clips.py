@@ -128,7 +128,7 @@ def film_clip(clip: real.Clip, folder: Path, film: Film) -> None:
     (folder / "meta.toml").write_text(tomli_w.dumps(meta))
     marks = moved(pd.read_csv(clip.folder / "marks.csv"), film)
     start = moved(pd.read_csv(clip.folder / "start.csv"), film)
-    if start.empty:  # clicked in a frame that the film lacks: the first marked one instead
+    if start.empty:  # clicked in a frame that the film lacks: one with most marks instead
         seen = marks[marks["visible"] == 1]
         frame = seen.groupby("frame").size().idxmax()
         start = seen.loc[seen["frame"] == frame, start.columns]

@@ -2,6 +2,7 @@
 
 import dataclasses
 import itertools
+import tomllib
 
 import numpy as np
 import pandas as pd
@@ -285,5 +286,6 @@ def test_a_mouse_in_a_wheel_is_tracked_by_strides(real_data):
     clicked = start[["view", "point"]].drop_duplicates()
     both = marks.merge(clicked).merge(found, on=["frame", "view", "point"], how="left")
     away = np.hypot(both["u"] - both["u_is"], both["v"] - both["v_is"])
+    limit_px = tomllib.loads((folder / "meta.toml").read_text())["threshold_px"]
     assert len(both) > 50
-    assert float(np.mean(away <= 12.0)) >= 0.97
+    assert float(np.mean(away <= limit_px)) >= 0.97
