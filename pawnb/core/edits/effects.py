@@ -10,6 +10,7 @@ import numpy as np
 
 from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
 from pawnb.core.edits.copies import copy_tracks
+from pawnb.core.edits.exchanges import exchange_again
 from pawnb.core.edits.pose_stretches import edit_legs, hide_leg
 from pawnb.core.edits.records import (
     Accept,
@@ -66,6 +67,7 @@ def apply_edit(
     px_per_unit: float | None = None,
     retrack: Retracker | None = None,
     hidden: Iterable[Hide] = (),
+    exchanged: Iterable[Swap] = (),
 ) -> Tracks:
     """Return Tracks with one correction applied.
 
@@ -93,6 +95,8 @@ def apply_edit(
     hidden : iterable of Hide
         Points a person marked as not visible; those of later frames are marked again
         after tracking again.
+    exchanged : iterable of Swap
+        Exchanges that a person made; they hold after tracking again.
 
     Returns
     -------
@@ -116,6 +120,8 @@ def apply_edit(
             new = _poses_again(tracks, edit.frame, retrack, hidden)
         else:
             new = _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
+            exchange = partial(apply_edit, rig=rig, px_per_unit=px_per_unit)
+            new = exchange_again(tracks, new, exchanged, frame=edit.frame, exchange=exchange)
         return new if edit.stop is None else only_within(tracks, new, edit)
     if is_pose(tracks) and isinstance(edit, Swap | Interpolate | Hide | Delete):
         return edit_legs(tracks, edit)

@@ -287,6 +287,7 @@ class EditLog:
             px_per_unit=self._px_per_unit,
             retrack=self._retrack,
             hidden=hidden_by_hand(past, before),
+            exchanged=[done for done in past if isinstance(done, Swap)],
         )
         if isinstance(edit, Retrack):
             return _Change(edit, before, self.tracks, None)

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 import xarray as xr
-from scipy.ndimage import binary_dilation
+from scipy.ndimage import binary_dilation, label
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -200,9 +200,9 @@ def keep_untouched(
     keep = (rows < here) | (rows >= stretch.until)
     if joint:
         anew = (rows >= here) & (rows < stretch.until)
-        keep &= ~_made_way(
-            uv, now, by_hand.any(axis=1), here, anew=anew, limit=_FAR_OF_TOLERANCE * tolerance
-        )
+        limit = _FAR_OF_TOLERANCE * tolerance
+        made_way = _made_way(uv, now, by_hand.any(axis=1), here, anew=anew, limit=limit)
+        keep &= ~_with_room(made_way, uv, now, anew=anew, limit=limit)
     return keep_rows(old, new, keep)
 
 
@@ -236,3 +236,34 @@ def _made_way(
     later = placed.copy()
     later[: here + 1] = False
     return np.asarray(made_way & ~np.logical_or.accumulate(later, axis=0))
+
+
+def _with_room(
+    made_way: BoolArray, uv: Points2D, now: FloatArray, *, anew: BoolArray, limit: FloatArray
+) -> BoolArray:
+    """Leave out the stretches in which a point that made way would share another point's place.
+
+    The tracker takes back what a person has exchanged: one of the two alone must not follow it.
+    Points that only cross are in one place in less than half of a stretch.
+    """
+    n_points = made_way.shape[1]
+    made_way = made_way.copy()
+    while True:
+        staying = ~anew & ~made_way
+        crowded = np.zeros_like(made_way)
+        for other in range(n_points):
+            with np.errstate(invalid="ignore"):
+                away = np.linalg.norm(now - uv[:, :, [other]], axis=-1)  # (n, V, P)
+            near = ((away <= limit[:, None]) | np.isnan(away)).all(axis=1)
+            near &= np.isfinite(away).any(axis=1) & staying[:, [other]]
+            near[:, other] = False
+            crowded |= near
+        left_out = np.zeros_like(made_way)
+        for point in range(n_points):
+            runs, n_runs = label(made_way[:, point])
+            for run in range(1, n_runs + 1):
+                rows = runs == run
+                left_out[rows, point] = crowded[rows, point].mean() > 0.5
+        if not left_out.any():
+            return made_way
+        made_way &= ~left_out

@@ -145,3 +145,38 @@ def test_undo_gives_back_a_stretch_and_the_file_makes_it_again(tmp_path):
     assert path.read_text().splitlines()[-1] == (
         '{"edit": "swap", "frame": 4, "first": "P", "second": "Q", "view": null}'
     )
+
+
+def taken_back(tracks, _frame):
+    """A tracker that finds P and Q where it found them at first."""
+    new = wand()
+    new["image_origin"].values[:] = tracks["image_origin"].values
+    return new
+
+
+@pytest.mark.parametrize("view", [None, "b"])
+def test_what_was_exchanged_by_hand_stays_so_when_tracked_again(tmp_path, view):
+    log = EditLog(wand(), tmp_path / "edits.jsonl", rig=RIG, retrack=taken_back)
+    log.apply(Swap(frame=4, stop=7, first="P", second="Q", view=view))
+    before = log.tracks["image_position"].to_numpy()
+    log.apply(Retrack(frame=4))
+    np.testing.assert_array_equal(log.tracks["image_position"], before)
+    if view is None:
+        np.testing.assert_allclose(xyz_of(log.tracks, 5, "P"), [0, 10, 5])
+    again = EditLog(wand(), tmp_path / "edits.jsonl", rig=RIG, retrack=taken_back)
+    np.testing.assert_array_equal(again.tracks["image_position"], before)
+    # an exchange that was taken back by a person is none
+    log.apply(Swap(frame=4, stop=7, first="Q", second="P", view=view))
+    log.apply(Retrack(frame=4))
+    np.testing.assert_array_equal(log.tracks["image_position"], wand()["image_position"])
+
+
+def test_who_puts_a_point_where_the_other_is_has_changed_their_mind():
+    log = EditLog(wand(), rig=RIG, retrack=taken_back)
+    log.apply(Swap(frame=4, first="P", second="Q"))
+    for view in ("a", "b", "c"):
+        for point in ("P", "Q"):
+            u, v = uv_of(wand(), 6, view, point)
+            log.apply(Move(frame=6, view=view, point=point, u=u, v=v))
+    log.apply(Retrack(frame=6))
+    np.testing.assert_array_equal(log.tracks["image_position"], wand()["image_position"])

@@ -208,3 +208,21 @@ def test_decided_together_a_point_that_made_way_is_taken_anew_where_it_did(back,
         both["image_position"][:, 0, 0, 1, 0],
         np.where(fresh, moved, old["image_position"][:, 0, 0, 1, 0]),
     )
+
+
+def test_a_point_does_not_make_way_to_where_another_stays():
+    """HR and HL were exchanged by hand; the tracker sees HR at HL's place, and FR passes by HR."""
+    rows = np.arange(60)
+    old = make_tracks(rows, ["FR", "HR", "HL"], fps=100, views=["cam1"])
+    new = old.copy(deep=True)
+    for tracks, places in ((old, (300.0, 100.0, 500.0)), (new, (301.0, 500.0, 500.0))):
+        tracks["image_position"][:, 0, :, :, 0] = np.array(places)
+        tracks["image_origin"][:] = MEASURED
+    new["image_position"][21:24, 0, :, 0, 0] = 100.0
+    old["image_origin"][5, 0, 0, 0] = EDITED
+    both = keep_untouched(old, new, 5, tolerance_px={"cam1": 1.0}, joint=True)
+    for point in ("HR", "HL"):
+        own = {"keypoint": point}
+        np.testing.assert_array_equal(
+            both["image_position"].sel(own), old["image_position"].sel(own)
+        )

@@ -1,0 +1,107 @@
+"""Exchanges that a person made hold when the trial is tracked again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from pawnb.arrays import BoolArray, FloatArray
+from pawnb.core.edits.records import Swap
+from pawnb.core.edits.stretches import place_of, row_of, rows_of_edit
+from pawnb.schema import ORIGIN_CODE, Tracks
+
+_UNSEEN_PX = 50.0
+"""A point that is known in one of two tracks only counts as so far apart."""
+
+
+def exchange_again(
+    tracks: Tracks,
+    new: Tracks,
+    swaps: Iterable[Swap],
+    *,
+    frame: int,
+    exchange: Callable[[Tracks, Swap], Tracks],
+) -> Tracks:
+    """Exchange two points again where tracking again has taken back what a person exchanged.
+
+    The tracker decides by what it sees which point is which, as it did when it was wrong. A row
+    counts as taken back where the two new places fit the two old ones better crosswise. Rows in
+    which one of the two was put in place by hand stay, and all rows of a pair of which a point
+    was put in ``frame`` where the other was: then a person has changed their mind.
+
+    Parameters
+    ----------
+    tracks, new : xarray.Dataset
+        The tracks before and after tracking again.
+    swaps : iterable of Swap
+        All exchanges so far.
+    frame : int
+        The frame from which it was tracked again.
+    exchange : callable
+        ``exchange(tracks, swap)`` returns tracks with an exchange made.
+
+    Returns
+    -------
+    xarray.Dataset
+        The new tracks with the exchanges.
+    """
+    if not np.array_equal(tracks["frame"], new["frame"]):
+        return new
+    views = [str(name) for name in tracks["view"].to_numpy()]
+    for (first, second), turned in _exchanged_rows(tracks, swaps, views).items():
+        pair = [place_of(tracks, "keypoint", name) for name in (first, second)]
+        was, now = (t["image_position"].values[..., pair, 0] for t in (tracks, new))
+        by_hand = (tracks["image_origin"].values[..., pair, 0] == ORIGIN_CODE["edited"]).any(axis=2)
+        if _mind_changed(was, turned, by_hand, row_of(tracks, frame)):
+            continue
+        everywhere = turned.all(axis=1) & ~by_hand.any(axis=1)
+        back = everywhere & _is_crosswise(was, now)
+        found = [(None, back)]
+        for v, name in enumerate(views):
+            alone = turned[:, v] & ~turned.all(axis=1) & ~by_hand[:, v]
+            found.append((name, alone & _is_crosswise(was[:, [v]], now[:, [v]])))
+        for view, rows in found:
+            for begin, stop in _runs(rows, tracks["frame"].to_numpy()):
+                swap = Swap(frame=begin, stop=stop, first=first, second=second, view=view)
+                new = exchange(new, swap)
+    return new
+
+
+def _exchanged_rows(
+    tracks: Tracks, swaps: Iterable[Swap], views: list[str]
+) -> dict[tuple[str, str], BoolArray]:
+    """Return for each pair of points in which rows and views (n, V) they are exchanged."""
+    found: dict[tuple[str, str], BoolArray] = {}
+    for swap in swaps:
+        a, b = sorted((swap.first, swap.second))
+        turned = found.setdefault((a, b), np.zeros((tracks.sizes["time"], len(views)), bool))
+        own = slice(None) if swap.view is None else views.index(swap.view)
+        turned[rows_of_edit(tracks, swap), own] ^= True
+    return found
+
+
+def _mind_changed(was: FloatArray, turned: BoolArray, by_hand: BoolArray, row: int) -> bool:
+    """Tell whether a point was put by hand where the other of its pair is just before or after."""
+    views = np.flatnonzero(by_hand[row] & turned[row])
+    beside = [r for r in (row - 1, row + 1) if 0 <= r < len(was) and turned[r, views].all()]
+    return any(_is_crosswise(was[[r]][:, views], was[[row]][:, views])[0] for r in beside)
+
+
+def _is_crosswise(was: FloatArray, now: FloatArray) -> BoolArray:
+    """Tell in which rows two points (n, V, 2 px, 2 points) fit better with their places changed."""
+    straight, cross = (_distance(was, other).sum(axis=(1, 2)) for other in (now, now[..., ::-1]))
+    return np.asarray(cross < straight)
+
+
+def _distance(one: FloatArray, other: FloatArray) -> FloatArray:
+    """Return distances (n, V, 2 points), px; 0 where both are unknown."""
+    known = np.isfinite(one).all(axis=2), np.isfinite(other).all(axis=2)
+    far = np.linalg.norm(one - other, axis=2)
+    return np.where(known[0] & known[1], far, np.where(known[0] | known[1], _UNSEEN_PX, 0.0))
+
+
+def _runs(rows: BoolArray, frames: np.ndarray) -> list[tuple[int, int]]:
+    """Return first frame and one past the last of each run of rows."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], rows, [False]])))
+    return [(int(frames[a]), int(frames[b - 1]) + 1) for a, b in edges.reshape(-1, 2)]
