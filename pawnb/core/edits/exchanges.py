@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 
@@ -27,8 +28,8 @@ def exchange_again(
 
     The tracker decides by what it sees which point is which, as it did when it was wrong. A row
     counts as taken back where the two new places fit the two old ones better crosswise. Rows in
-    which one of the two was put in place by hand stay, and all rows of a pair of which a point
-    was put in ``frame`` where the other was: then a person has changed their mind.
+    which one of the two was put in place by hand keep the other, too. A pair of which a point was
+    put in ``frame`` where the other was is left alone: a person has changed their mind.
 
     Parameters
     ----------
@@ -56,8 +57,7 @@ def exchange_again(
         if _mind_changed(was, turned, by_hand, row_of(tracks, frame)):
             continue
         everywhere = turned.all(axis=1) & ~by_hand.any(axis=1)
-        back = everywhere & _is_crosswise(was, now)
-        found = [(None, back)]
+        found: list[tuple[str | None, BoolArray]] = [(None, everywhere & _is_crosswise(was, now))]
         for v, name in enumerate(views):
             alone = turned[:, v] & ~turned.all(axis=1) & ~by_hand[:, v]
             found.append((name, alone & _is_crosswise(was[:, [v]], now[:, [v]])))
@@ -65,7 +65,27 @@ def exchange_again(
             for begin, stop in _runs(rows, tracks["frame"].to_numpy()):
                 swap = Swap(frame=begin, stop=stop, first=first, second=second, view=view)
                 new = exchange(new, swap)
+        _keep_beside_placed(tracks, new, pair, np.asarray(turned.all(axis=1)))
     return new
+
+
+def _keep_beside_placed(tracks: Tracks, new: Tracks, pair: list[int], turned: BoolArray) -> None:
+    """Put a point back, in place, in rows in which its partner was put in place by hand.
+
+    There nothing is exchanged; the point has followed the tracker to where its partner is.
+    """
+    for point, partner in (pair, pair[::-1]):
+        was, now = (t["image_position"].values[..., [point], 0] for t in (tracks, new))
+        other = tracks["image_position"].values[..., [partner], 0]
+        placed = tracks["image_origin"].values[..., [point, partner], 0] == ORIGIN_CODE["edited"]
+        beside = placed[..., 1].any(axis=1) & ~placed[..., 0].any(axis=1)
+        away, near = (_distance(place, now).sum(axis=(1, 2)) for place in (was, other))
+        rows = np.flatnonzero(turned & beside & (near < away))
+        for name, own in new.data_vars.items():
+            if name in tracks and {"time", "keypoint"} <= set(own.dims):
+                at: list[Any] = [slice(None)] * own.ndim
+                at[own.dims.index("time")], at[own.dims.index("keypoint")] = rows, point
+                own.values[tuple(at)] = tracks[name].values[tuple(at)]
 
 
 def _exchanged_rows(

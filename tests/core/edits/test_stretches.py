@@ -171,6 +171,18 @@ def test_what_was_exchanged_by_hand_stays_so_when_tracked_again(tmp_path, view):
     np.testing.assert_array_equal(log.tracks["image_position"], wand()["image_position"])
 
 
+def test_beside_a_point_that_was_placed_its_partner_stays_too():
+    log = EditLog(wand(), rig=RIG, retrack=taken_back)
+    log.apply(Swap(frame=4, first="P", second="Q"))
+    for view in ("a", "b", "c"):
+        u, v = uv_of(log.tracks, 6, view, "P")
+        log.apply(Move(frame=6, view=view, point="P", u=u + 0.25, v=v))
+    before = log.tracks
+    log.apply(Retrack(frame=6))
+    for name in ("image_position", "image_origin", "position"):
+        np.testing.assert_allclose(log.tracks[name], before[name])
+
+
 def test_who_puts_a_point_where_the_other_is_has_changed_their_mind():
     log = EditLog(wand(), rig=RIG, retrack=taken_back)
     log.apply(Swap(frame=4, first="P", second="Q"))
