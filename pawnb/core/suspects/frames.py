@@ -191,7 +191,8 @@ def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
     frames = tracks["frame"].to_numpy()
     views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
     chance = np.nan_to_num(tracks["image_confidence"].isel(individual=0).to_numpy())
-    followed = np.isfinite(image_positions(tracks)[..., 0]).any(axis=0)
+    known = np.isfinite(image_positions(tracks)[..., 0])
+    followed = known.any(axis=0)
     wrong = np.where(followed & ~_placed_by_hand(tracks), 1.0 - chance, 0.0)  # (n, V, P)
     listed = doubted_labels(
         wrong,
@@ -202,7 +203,8 @@ def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
     rows = []
     for label in listed:
         t, v, p = label.row, label.view, label.point
-        said = f"the tracker is {100 * (1 - wrong[t, v, p]):.0f} % sure of it"
+        sure = f"the tracker is {100 * (1 - wrong[t, v, p]):.0f} % sure of it"
+        said = sure if known[t, v, p] else "it was not found here"
         rows.append((int(frames[t]), views[v], points[p], said, round(label.score, 4)))
     return rows
 

@@ -91,6 +91,7 @@ class GaitRun:
             "animal": strides["animal"].nunique(),
         }
         counted = " of ".join(f"{n} {one if n == 1 else f'{one}s'}" for one, n in what.items())
+        counted = counted if len(strides) else "no stride was found"
         lines = [f"{counted}; {len(dropped)} dropped (dropped.csv says why)"]
         if len(strides):
             # each animal counts once, however many strides it took

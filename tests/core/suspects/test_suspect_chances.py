@@ -85,6 +85,15 @@ def test_every_doubtful_label_has_a_row_that_says_how_sure_the_tracker_is():
     np.testing.assert_allclose(table["score"], [0.6 + 0.7, 0.15, 0.0])
 
 
+def test_of_a_label_that_is_missing_it_is_said_that_it_was_not_found():
+    tracks = stated([1.0, 1.0, 0.0, 1.0])
+    tracks["image_position"].to_numpy()[2, 0, :, 1] = np.nan
+    tracks["image_origin"].to_numpy()[2, 0, 1, 0] = ORIGIN_CODE["missing"]
+    table = find_suspects(tracks)
+    assert table["frame"].tolist() == [102]
+    assert table["reason"].tolist() == ["it was not found here"]
+
+
 def test_what_a_person_placed_and_what_is_nowhere_followed_is_no_suspect():
     tracks = stated(np.full(5, 0.2))
     tracks["image_origin"].to_numpy()[2, 0, 1, 0] = ORIGIN_CODE["edited"]

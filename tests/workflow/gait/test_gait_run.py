@@ -51,6 +51,8 @@ def test_tables_have_the_columns_of_the_contract(results):
     assert run.text().startswith(f"{len(strides)} strides of 4 legs of 1 animal; ")
     one = dataclasses.replace(run, tables=dataclasses.replace(run.tables, strides=strides[:1]))
     assert one.text().startswith("1 stride of 1 leg of 1 animal; ")
+    none = dataclasses.replace(run, tables=dataclasses.replace(run.tables, strides=strides[:0]))
+    assert none.text().startswith("no stride was found; ")
 
 
 @pytest.mark.slow
