@@ -16,7 +16,7 @@ def drawn(motion_weight, broken_weight, offset, n=4000):
     return pd.DataFrame({
         "clip": ["a", "b"] * (n // 2), "clicks": 1, "point": 0, "ok": rng.random(n) < chance,
         "probability": 1.0, "motion_along": motion, "look": 0.0,
-        "broken": broken, "usual_look": 0.0, "left_out": 0.0,
+        "other_look": 0.0, "broken": broken, "name": 0.0, "usual_look": 0.0, "left_out": 0.0,
         "off_u": 0.0, "off_v": 0.0,
         "sd_px": 1.0, "extent": 100.0,
     })  # fmt: skip
@@ -27,7 +27,9 @@ def test_weights_that_made_labels_are_found(monkeypatch):
 
     monkeypatch.setattr(learn_calibration, "CELL_WEIGHT", 2000.0)
     weights, offset = learn_calibration.learn(drawn(0.8, -0.5, 0.3), NOTHING)
-    np.testing.assert_allclose(weights, [0.8, 0.0, -0.5, 0.0, 0.0], atol=0.12)
+    known = {"motion_along": 0.8, "broken": -0.5}
+    expected = [known.get(sign, 0.0) for sign in learn_calibration.SIGNS]
+    np.testing.assert_allclose(weights, expected, atol=0.12)
     assert offset == pytest.approx(0.3 - learn_calibration.STRICTER, abs=0.25)
 
 
@@ -35,8 +37,9 @@ def test_a_sign_never_counts_against_its_meaning():
     import learn_calibration
 
     weights, _ = learn_calibration.learn(drawn(-0.8, -0.5, 0.3), NOTHING)
-    assert weights[0] == pytest.approx(0, abs=1e-9)
-    assert weights[2] < -0.3
+    by_sign = dict(zip(learn_calibration.SIGNS, weights, strict=True))
+    assert by_sign["motion_along"] == pytest.approx(0, abs=1e-9)
+    assert by_sign["broken"] < -0.3
 
 
 def test_a_clip_is_judged_by_weights_of_the_others(capsys):
@@ -62,7 +65,9 @@ def test_what_left_out_clicks_say_goes_to_marks_of_their_clip_and_point():
         "clip": "a", "clicks": 1, "point": [0, 1], "right": [True, False],
         **dict.fromkeys(learn_calibration.SIGNS, 0.0),
     })  # fmt: skip
-    said = learn_calibration.heard(marks, clicks, np.zeros(5), 0.0)["left_out"]
+    said = learn_calibration.heard(marks, clicks, np.zeros(len(learn_calibration.SIGNS)), 0.0)[
+        "left_out"
+    ]
     assert said[0] > 0.1
     assert said[2] < -0.1
     assert (said[[1, 3, 4, 5]] == 0).all()

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, Float32Array, FloatArray
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
@@ -28,7 +28,7 @@ from pawnb.core.paws.offline.detection.evidence import Detections, paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
-from pawnb.core.paws.offline.quality.signs import Signs, read_signs, usual_look
+from pawnb.core.paws.offline.quality.signs import Signs, read_signs
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.self_training.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.self_training.learning import agreed_lessons
@@ -48,14 +48,10 @@ class PointTrack:
         Where it is.
     signs : Signs
         What tells whether that is right.
-    named : ndarray of bool, shape (n,), optional
-        Whether one tracklet was given to it, jointly with those of all other points; where not,
-        it was hidden or could not be distinguished. None where a point is alone.
     """
 
     found: Estimates
     signs: Signs
-    named: BoolArray | None = None
 
 
 @dataclass(frozen=True)
@@ -285,7 +281,7 @@ class _Work:
         self._hear_correlation(found, shares)
         agreed = agreed_lessons(
             stack, self.view.annotations, estimates=self.estimates, looks=self.looks,
-            priors=self.priors, named={p: q.named for p, q in posteriors.items()},
+            priors=self.priors, names={p: q.name for p, q in posteriors.items()},
             radius=self.radius, parameters=self.parameters.appearance,
         )  # fmt: skip
         moved_on = {self.begin + row: lesson for row, lesson in agreed.items()}
@@ -296,16 +292,11 @@ class _Work:
 
     def result(self) -> ViewResult:
         """Return the tracks of the points, and what was learnt."""
-        usual = usual_look(self.estimates, self.looks)
-        points = {}
-        for p, found in self.estimates.items():
-            signs = read_signs(
-                found, motion=self.others[p], look=self.looks[p],
-                agreement=self.posteriors[p].agreement,
-                clicked=self.view.annotations.rows_of(p), usual_look=usual,
-                left_out=self.left_out.get(p, 0.0),
-            )  # fmt: skip
-            points[p] = PointTrack(found, signs, self.posteriors[p].named)
+        signs = read_signs(
+            self.estimates, self.posteriors, motion=self.others, looks=self.looks,
+            clicked=self.view.annotations, left_out=self.left_out,
+        )  # fmt: skip
+        points = {p: PointTrack(found, signs[p]) for p, found in self.estimates.items()}
         return ViewResult(points, self.learnt)
 
     def _correlated(self) -> Detections:

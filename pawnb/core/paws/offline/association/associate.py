@@ -85,7 +85,8 @@ def associate(
     identity : IdentityParameters, optional
         With it the last iteration has names decided jointly over whole tracklets.
     compared : bool
-        Whether the agreement of posteriors is worked out; it is 1 throughout otherwise.
+        Whether the agreement of posteriors, and how sure names are, is worked out; both are 1
+        throughout otherwise.
 
     Returns
     -------
@@ -112,14 +113,15 @@ def associate(
         factors = []
         for view, own, more in zip(views, masses, support, strict=True):
             if identity is not None and last and len(own) > 1:
-                factor, named = _kinds_apart(view, own, more, radius=radius, parameters=identity)
-                decided[view.name] = named
+                factor, decided[view.name] = _kinds_apart(
+                    view, own, more, radius=radius, parameters=identity, sampled=compared
+                )
             else:
                 factor = open_to_each(own, radius, parameters.exclusive)
             factors.append({p: f * more[p] if p in more else f for p, f in factor.items()})
     return [
         {
-            p: dataclasses.replace(q, named=decided[view.name][p]) if view.name in decided else q
+            p: dataclasses.replace(q, name=decided[view.name][p]) if view.name in decided else q
             for p, q in own.items()
         }
         for view, own in zip(views, posteriors, strict=True)
@@ -177,19 +179,20 @@ def _kinds_apart(
     *,
     radius: float,
     parameters: IdentityParameters,
+    sampled: bool,
 ) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray]]:
-    """Return factors by which every tracklet is one point's alone, and where points have one."""
+    """Return factors by which every tracklet is one point's alone, and how surely it is."""
     points, shape = sorted(masses), view.stack.shape
-    tracklets, names = tell_apart(
+    tracklets, names, shares = tell_apart(
         view.stack, view.annotations, masses=masses, looks=view.looks,
         others={p: m * support[p] if p in support else m for p, m in view.others.items()},
-        prior=view.prior, trust=view.trust, radius=radius, parameters=parameters,
+        prior=view.prior, trust=view.trust, radius=radius, parameters=parameters, sampled=sampled,
     )  # fmt: skip
     factors = paint_names(
         shape, tracklets, names, points=points, radius=radius, parameters=parameters
     )
-    named = {p: np.zeros(shape[0], bool) for p in points}
-    for one, name in zip(tracklets, names, strict=True):
+    sure = {p: np.zeros(shape[0]) for p in points}
+    for one, name, share in zip(tracklets, names, shares, strict=True):
         if name >= 0:
-            named[int(name)][one.rows] = True
-    return factors, named
+            sure[int(name)][one.rows] = share
+    return factors, sure

@@ -19,6 +19,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from pawnb.arrays import FloatArray, IntArray
+from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
@@ -38,48 +39,82 @@ class _Arcs:
     """The tracklet that is passed, or -1."""
 
 
-def decide(
-    tracklets: Sequence[ViewTracklet],
-    gains: FloatArray,
-    clicked: Mapping[int, int],
-    *,
-    n: int,
-    radius: float,
-    parameters: IdentityParameters,
-) -> IntArray:
-    """Give tracklets to points.
+class TrackletGraph:
+    """What paths of points through tracklets cost, beside what each tracklet gains.
 
     Parameters
     ----------
     tracklets : sequence of ViewTracklet
         N of them.
-    gains : ndarray, shape (N, P)
-        Log-likelihood of each being each point, beside its being none.
     clicked : mapping
-        Tracklet to the point (column of ``gains``) that was clicked in it.
+        Tracklet to the point (column of gains) that was clicked in it.
     n : int
         Number of rows.
     radius : float
         About half a paw, in places.
     parameters : IdentityParameters
         The stage's parameters.
-
-    Returns
-    -------
-    ndarray of int, shape (N,)
-        The point, or -1.
     """
-    n_tracklets, n_points = gains.shape
-    if not n_tracklets:
-        return np.empty(0, int)
-    gains = gains.copy()
-    for tracklet, point in clicked.items():
-        gains[tracklet] = -LINKS.click_worth
-        gains[tracklet, point] = LINKS.click_worth
-    arcs = _graph(tracklets, n, radius, parameters)
-    share = _solve(arcs, gains, n_points)
-    best = share.argmax(axis=1)
-    return np.where(share[np.arange(n_tracklets), best] > 0.5, best, -1)
+
+    def __init__(
+        self,
+        tracklets: Sequence[ViewTracklet],
+        clicked: Mapping[int, int],
+        *,
+        n: int,
+        radius: float,
+        parameters: IdentityParameters,
+    ) -> None:
+        self.clicked, self.parameters = clicked, parameters
+        self.arcs = _graph(tracklets, n, radius, parameters)
+
+    def decide(self, gains: FloatArray) -> IntArray:
+        """Give tracklets to points.
+
+        Parameters
+        ----------
+        gains : ndarray, shape (N, P)
+            Log-likelihood of each being each point, beside its being none.
+
+        Returns
+        -------
+        ndarray of int, shape (N,)
+            The point, or -1.
+        """
+        gains = gains.copy()
+        for tracklet, point in self.clicked.items():
+            gains[tracklet] = -LINKS.click_worth
+            gains[tracklet, point] = LINKS.click_worth
+        share = _solve(self.arcs, gains, gains.shape[1])
+        best = share.argmax(axis=1)
+        return np.where(share[np.arange(len(gains)), best] > 0.5, best, -1)
+
+    def name_shares(self, gains: FloatArray, names: IntArray) -> FloatArray:
+        """Return how often tracklets keep their names where gains are perturbed.
+
+        Perturb-and-MAP (Papandreou & Yuille 2011, ICCV 193): the cheapest paths by gains with
+        Gumbel noise are samples of all paths, by how likely they are. The noise is as large as a
+        tracklet's errors of appearance: the inverse of ``alike``.
+
+        Parameters
+        ----------
+        gains : ndarray, shape (N, P)
+            As for :meth:`decide`.
+        names : ndarray of int, shape (N,)
+            What that decided.
+
+        Returns
+        -------
+        ndarray, shape (N,)
+            Share of the samples, and of the decision itself, in which the name is this one.
+        """
+        random = np.random.default_rng(0)
+        scale = 1.0 / self.parameters.alike
+        noisy = [
+            gains + scale * random.gumbel(size=gains.shape) for _ in range(self.parameters.samples)
+        ]
+        kept = [names == sample for sample in [names, *on_threads(self.decide, noisy)]]
+        return np.mean(kept, axis=0)
 
 
 def _graph(

@@ -10,7 +10,7 @@ import numpy as np
 from pawnb.arrays import AnyArray, Float32Array, FloatArray, IntArray
 from pawnb.core.parallel import in_parts
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.association.identities import decide
+from pawnb.core.paws.offline.association.identities import TrackletGraph
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import (
     ViewTracklet,
@@ -35,7 +35,8 @@ def tell_apart(
     trust: float,
     radius: float,
     parameters: IdentityParameters,
-) -> tuple[list[ViewTracklet], AnyArray]:
+    sampled: bool = True,
+) -> tuple[list[ViewTracklet], AnyArray, FloatArray]:
     """Cut what may be points into tracklets, and give them names.
 
     Parameters
@@ -56,6 +57,8 @@ def tell_apart(
         About half a paw, in places.
     parameters : IdentityParameters
         The stage's parameters.
+    sampled : bool
+        Whether shares are worked out; they are 1 otherwise.
 
     Returns
     -------
@@ -63,6 +66,8 @@ def tell_apart(
         N of them.
     names : ndarray of int, shape (N,)
         The point that each is, or -1.
+    shares : ndarray, shape (N,)
+        How surely it is that one (:meth:`.identities.TrackletGraph.name_shares`).
     """
     points = sorted(masses)
     n = stack.shape[0]
@@ -72,7 +77,7 @@ def tell_apart(
         stack, points, placed, masses=masses, looks=looks, radius=radius, parameters=parameters
     )
     if not tracklets:
-        return [], np.empty(0, int)
+        return [], np.empty(0, int), np.empty(0)
     clicked = {
         i: points.index(point)
         for i, one in enumerate(tracklets)
@@ -90,17 +95,16 @@ def tell_apart(
     columns = tuple(range(len(points)))
     gains = np.stack([gains_of(i, columns) for i in range(len(tracklets))])
 
-    def decided() -> IntArray:
-        return decide(tracklets, gains, clicked, n=n, radius=radius, parameters=parameters)
-
-    names = decided()
+    graph = TrackletGraph(tracklets, clicked, n=n, radius=radius, parameters=parameters)
+    names = graph.decide(gains)
     # by elimination: what lasts beside named ones is compared among the points that are left
     for i in np.flatnonzero(names < 0).tolist():
         may = sorted(set(columns) - _elsewhere(tracklets[i], tracklets, names))
         if may:
             gains[i] = gains_of(i, may)
-    names = decided()
-    return tracklets, np.array([points[k] if k >= 0 else -1 for k in names], int)
+    names = graph.decide(gains)
+    shares = graph.name_shares(gains, names) if sampled else np.ones(len(names))
+    return tracklets, np.array([points[k] if k >= 0 else -1 for k in names], int), shares
 
 
 def _clicked_places(

@@ -21,7 +21,7 @@ def probability_right(signs: Signs) -> FloatArray:
 
 
 def log_odds(columns: FloatArray) -> FloatArray:
-    """Return the log-odds (n,) of that, of columns (n, 5) of :class:`.signs.Signs`."""
+    """Return the log-odds (n,) of that, of columns (n, 7) of :class:`.signs.Signs`."""
     return np.asarray(columns @ np.array(QUALITY.weights) + QUALITY.offset)
 
 

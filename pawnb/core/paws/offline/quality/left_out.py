@@ -32,7 +32,7 @@ class LeftOutClick:
         Probability within half a paw of the click.
     right : bool
         Whether the estimate was there.
-    signs : ndarray, shape (5,)
+    signs : ndarray, shape (7,)
         Signs of the estimate (:meth:`.signs.Signs.columns`).
     """
 
@@ -52,7 +52,7 @@ def offsets(
     clicks : sequence of LeftOutClick
         Those of one recording.
     log_odds : callable
-        From signs (n, 5) to log-odds (n,) of being right.
+        From signs (n, 7) to log-odds (n,) of being right.
 
     Returns
     -------

@@ -14,10 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import AnyArray, FloatArray
+from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates
+from pawnb.core.paws.offline.association.forward_backward import Posterior
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
-SIGNS = {"motion_along": 1, "look": 1, "broken": -1, "usual_look": 1, "left_out": 1}
+SIGNS = {
+    "motion_along": 1, "look": 1, "other_look": 1, "broken": -1, "name": 1, "usual_look": 1,
+    "left_out": 1,
+}  # fmt: skip
 """Definition: the columns of :meth:`Signs.columns`, and whether each speaks for a label or against
 it."""
 
@@ -37,13 +42,19 @@ class Signs:
         disagree.
     look : ndarray, shape (n,)
         The same by appearance, of the frame alone.
+    other_look : ndarray, shape (n,)
+        The same of the other points, the largest: what looks like another point is at least one of
+        them, as legs look alike. That of the point itself where there is no other.
     broken : ndarray, shape (n,)
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
         infinite where there is no click.
+    name : ndarray, shape (n,)
+        How surely the tracklet there is its own: see :class:`.forward_backward.Posterior`; 1 where
+        a point is alone.
     usual_look : float
-        Mean of ``look`` over all points and frames of the view (:func:`usual_look`): where no
-        place looks like any point, labels are wrong more often than each by itself tells.
+        Mean of ``look`` over all points and frames of the view: where no place looks like any
+        point, labels are wrong more often than each by itself tells.
     left_out : float
         How much more often clicks of the point that were left out were found than their own signs
         say (:func:`.left_out.offsets`); 0 where none could be left out.
@@ -52,71 +63,72 @@ class Signs:
     probability: FloatArray
     motion_along: np.ndarray
     look: np.ndarray
+    other_look: np.ndarray
     broken: FloatArray
+    name: FloatArray
     usual_look: float
     left_out: float = 0.0
 
     def columns(self) -> FloatArray:
-        """Return the signs (n, 5) as they enter the calibration."""
+        """Return the signs (n, 7) as they enter the calibration."""
         broken = np.log1p(np.minimum(self.broken, QUALITY.broken_most))
         usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
-        return np.stack([self.motion_along, self.look, broken, usual, left_out], axis=-1)
+        return np.stack(
+            [self.motion_along, self.look, self.other_look, broken, self.name, usual, left_out],
+            axis=-1,
+        )
 
 
 def read_signs(
-    found: Estimates,
+    found: Mapping[int, Estimates],
+    posteriors: Mapping[int, Posterior],
     *,
-    motion: AnyArray,
-    look: AnyArray,
-    agreement: FloatArray,
-    clicked: Sequence[int],
-    usual_look: float,
-    left_out: float = 0.0,
-) -> Signs:
-    """Read the signs of one point in one view.
-
-    Parameters
-    ----------
-    found : Estimates
-        Where it is.
-    motion, look : ndarray, shape (n, h, w)
-        Ratios of likelihoods by motion and by appearance.
-    agreement : ndarray, shape (n,)
-        See :class:`.association.forward_backward.Posterior`.
-    clicked : sequence of int
-        Rows in which the point was clicked.
-    usual_look : float
-        See :func:`usual_look`.
-    left_out : float
-        See :func:`.left_out.offsets`.
-
-    Returns
-    -------
-    Signs
-        Of the n frames.
-    """
-    stops = [*clicked, *np.flatnonzero(agreement < QUALITY.agreement_break).tolist()]
-    return Signs(
-        found.probability,
-        mean_along(_at_estimates(motion, found), stops),
-        _at_estimates(look, found),
-        sum_from_clicks(-np.log(np.clip(agreement, QUALITY.agreement_least, 1.0)), clicked),
-        usual_look,
-        left_out,
-    )
-
-
-def usual_look(found: Mapping[int, Estimates], looks: Mapping[int, AnyArray]) -> float:
-    """Return the mean logarithm of the ratios by appearance at all estimates of a view.
+    motion: Mapping[int, AnyArray],
+    looks: Mapping[int, AnyArray],
+    clicked: Annotations,
+    left_out: Mapping[int, float] | None = None,
+) -> dict[int, Signs]:
+    """Read the signs of the points of one view; n frames.
 
     Parameters
     ----------
     found : mapping
         Point to where it is.
-    looks : mapping
-        Point to ratios of likelihoods (n, h, w) by appearance.
+    posteriors : mapping
+        Point to how far what came before and what comes after agree, and whether its name is sure.
+    motion, looks : mapping
+        Point to ratios of likelihoods (n, h, w) by motion and by appearance.
+    clicked : Annotations
+        Where points were clicked.
+    left_out : mapping, optional
+        Point to what its clicks that were left out say (:func:`.left_out.offsets`).
+
+    Returns
+    -------
+    dict
+        Point to its signs.
     """
-    return float(np.mean([_at_estimates(looks[point], own).mean() for point, own in found.items()]))
+    here = {
+        p: {q: _at_estimates(look, own) for q, look in looks.items()} for p, own in found.items()
+    }
+    usual = float(np.mean([here[p][p].mean() for p in found]))
+    signs = {}
+    for p, own in found.items():
+        agreement, name = posteriors[p].agreement, posteriors[p].name
+        rows = clicked.rows_of(p)
+        stops = [*rows, *np.flatnonzero(agreement < QUALITY.agreement_break).tolist()]
+        others = [look for q, look in here[p].items() if q != p] or [here[p][p]]
+        signs[p] = Signs(
+            own.probability,
+            mean_along(_at_estimates(motion[p], own), stops),
+            here[p][p],
+            np.max(others, axis=0),
+            sum_from_clicks(-np.log(np.clip(agreement, QUALITY.agreement_least, 1.0)), rows),
+            np.ones(len(agreement)) if name is None else name,
+            usual,
+            (left_out or {}).get(p, 0.0),
+        )
+    return signs
 
 
 def _at_estimates(ratios: np.ndarray, found: Estimates) -> np.ndarray:

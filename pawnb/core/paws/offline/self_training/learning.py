@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from pawnb.arrays import BoolArray, Float32Array
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.detection.appearance import Lesson
@@ -21,7 +21,7 @@ def agreed_lessons(
     estimates: Mapping[int, Estimates],
     looks: Mapping[int, Float32Array],
     priors: Mapping[int, Float32Array],
-    named: Mapping[int, BoolArray | None],
+    names: Mapping[int, FloatArray | None],
     radius: float,
     parameters: AppearanceParameters,
 ) -> dict[int, Lesson]:
@@ -39,9 +39,9 @@ def agreed_lessons(
         Point to ratios of likelihoods by appearance alone.
     priors : mapping
         Point to the probability of places without evidence.
-    named : mapping
-        Point to where it was given a tracklet (n,); elsewhere nothing is learnt of it. None
-        where names were not decided jointly.
+    names : mapping
+        Point to how surely the tracklet that was given to it is its own (n,); where that is 0
+        nothing is learnt of it. None where names were not decided jointly.
     radius : float
         About half a paw, in places.
     parameters : AppearanceParameters
@@ -61,9 +61,9 @@ def agreed_lessons(
         good[:, i] = (estimates[point].probability > parameters.sure) & (
             apart < RUN.agree_radii * radius
         )
-        given = named[point]
-        if given is not None:
-            good[:, i] &= given
+        name = names[point]
+        if name is not None:
+            good[:, i] &= name > 0.0
     count = good.sum(axis=1)
     lessons = {}
     random = np.random.default_rng(0)

@@ -20,7 +20,7 @@ from pawnb.core.paws.offline.detection.evidence import paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.parameters import RUN, OfflineParameters
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
-from pawnb.core.paws.offline.quality.signs import read_signs, usual_look
+from pawnb.core.paws.offline.quality.signs import read_signs
 from pawnb.core.paws.offline.view_input import ViewInput
 
 
@@ -180,19 +180,17 @@ class _LeftOut:
             identity=self.parameters.identity,
         )[0]  # fmt: skip
         estimates = {p: estimate(own.mass, self.radius) for p, own in posteriors.items()}
-        usual = usual_look(estimates, self.looks)
+        signs = read_signs(
+            estimates, posteriors, motion=motion, looks=self.looks, clicked=self.placed
+        )
         outcomes = []
         for p, place in self.clicked.items():
-            signs = read_signs(
-                estimates[p], motion=motion[p], look=self.looks[p],
-                agreement=posteriors[p].agreement, clicked=self.placed.rows_of(p),
-                usual_look=usual,
-            )  # fmt: skip
             off = float(np.linalg.norm(estimates[p].place[self.row] - place))
             outcomes.append(
                 LeftOutClick(
                     p, _within(posteriors[p].mass[self.row], place, self.radius),
-                    right=off <= RUN.weighing_near * self.radius, signs=signs.columns()[self.row],
+                    right=off <= RUN.weighing_near * self.radius,
+                    signs=signs[p].columns()[self.row],
                 )
             )  # fmt: skip
         return outcomes

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import LinearConstraint, milp
 
 from pawnb.core.paws.offline.association import identities
-from pawnb.core.paws.offline.association.identities import decide
+from pawnb.core.paws.offline.association.identities import TrackletGraph
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
 from pawnb.core.paws.offline.parameters import IdentityParameters
 
@@ -21,11 +21,14 @@ def tracklet(begin, end, at, step):
     return ViewTracklet(begin, places, np.array(step, float), np.array(step, float))
 
 
+def graph_of(tracklets, clicked, parameters=None):
+    return TrackletGraph(
+        tracklets, clicked, n=N, radius=RADIUS, parameters=parameters or IdentityParameters()
+    )
+
+
 def given(tracklets, gains, clicked):
-    return decide(
-        tracklets, np.array(gains, float), clicked, n=N, radius=RADIUS,
-        parameters=IdentityParameters(),
-    ).tolist()  # fmt: skip
+    return graph_of(tracklets, clicked).decide(np.array(gains, float)).tolist()
 
 
 @pytest.fixture
@@ -106,3 +109,46 @@ def test_where_the_linear_relaxation_is_not_integer_the_integer_programme_is_sol
     found = identities._cheapest(cost, np.ones(3, int), [pairs])
     assert found == pytest.approx([0, 0, 1])
     assert identities._cheapest(cost, np.zeros(3, int), [pairs]) == pytest.approx([0.5, 0.5, 0.5])
+
+
+@pytest.mark.parametrize("more", [0.0, 1.0, 3.0, 20.0])
+def test_names_are_as_sure_as_gains_tell_them_apart(more):
+    """Of two paths the one that gains ``more`` is drawn in 1 of 1 + exp(-more / scale) samples.
+
+    That is the Gumbel-max trick: Papandreou & Yuille 2011, section 2.
+    """
+    parameters = IdentityParameters(samples=2000)
+    graph = graph_of([tracklet(0, N - 1, (10, 10), (1, 0))], {}, parameters)
+    gains = np.array([[100.0 + more, 100.0]])
+    names = graph.decide(gains)
+    assert more == 0 or names.tolist() == [LEFT]
+    share = graph.name_shares(gains, names)[0]
+    assert share == pytest.approx(1 / (1 + np.exp(-more * parameters.alike)), abs=0.04)
+
+
+def test_a_click_leaves_no_doubt_of_its_tracklet_and_little_of_what_continues_it(crossing):
+    gains = np.full((4, 2), 3.0)
+    graph = graph_of(crossing, {0: LEFT, 1: RIGHT})
+    shares = graph.name_shares(gains, graph.decide(gains))
+    np.testing.assert_allclose(shares[:2], 1.0)
+    assert (shares > 0.8).all()
+
+
+def test_names_that_velocity_and_looks_contradict_are_not_sure(crossing):
+    """Looks say that they turned back, by about as much as velocity says that they did not."""
+    graph = graph_of(crossing, {0: LEFT, 1: RIGHT})
+    clear = np.full((4, 2), 3.0)
+    unclear = clear + np.array([[0, 0], [0, 0], [-1, 1], [1, -1]]) * least_to_turn(graph)
+    shares = graph.name_shares(unclear, graph.decide(unclear))
+    assert (shares[2:] < 0.9).all()
+
+
+def least_to_turn(graph):
+    """Return what looks must gain for names to be exchanged where two cross, by halving."""
+    low, high = 0.0, 100.0
+    for _ in range(20):
+        middle = (low + high) / 2
+        gains = np.full((4, 2), 3.0) + np.array([[0, 0], [0, 0], [-1, 1], [1, -1]]) * middle
+        turned = graph.decide(gains).tolist() == [LEFT, RIGHT, RIGHT, LEFT]
+        low, high = (low, middle) if turned else (middle, high)
+    return high

@@ -66,7 +66,7 @@ def even():
 def found(scene, rows):
     stack, looks, masses = scene
     ones = {p: np.ones((N, H, W), np.float32) for p in looks}
-    tracklets, names = tell_apart(
+    tracklets, names, _ = tell_apart(
         stack, clicks(stack, rows), masses=masses, others=ones, looks=looks, prior=even(),
         trust=0.5, radius=RADIUS, parameters=PARAMETERS,
     )  # fmt: skip
@@ -104,7 +104,7 @@ def test_what_lasts_beside_one_leg_is_the_other_though_it_looks_like_that_one(ma
     }
     where_clicked = Annotations({2: {LEG: stack.picture_of(at[LEG], 2)}})
     ones = {p: np.ones((N, H, W), np.float32) for p in looks}
-    tracklets, names = tell_apart(
+    tracklets, names, _ = tell_apart(
         stack, where_clicked, masses={p: one / (H * W) for p, one in ones.items()}, others=ones,
         looks=looks, prior=even(), trust=1.0, radius=RADIUS, parameters=PARAMETERS,
     )  # fmt: skip
@@ -164,7 +164,7 @@ def test_with_it_posteriors_pass_where_without_it_they_turn_back(scene, make_sta
     assert right() < 0.7
 
 
-def test_it_is_said_where_a_point_has_a_tracklet(scene):
+def test_it_is_said_where_a_point_has_a_tracklet_and_how_surely(scene):
     """Where the two meet, one of them at most."""
     stack, looks, _ = scene
     ones = {p: np.ones((N, H, W), np.float32) for p in looks}
@@ -174,17 +174,17 @@ def test_it_is_said_where_a_point_has_a_tracklet(scene):
     (jointly,) = associate(
         [view], radius=RADIUS, parameters=AssociationParameters(), identity=PARAMETERS
     )
-    named = np.stack([jointly[p].named for p in (LEG, OTHER)])
-    assert named[:, [0, 5, 25, 30]].all()
-    assert not named[:, 15].all()
+    sure = np.stack([jointly[p].name for p in (LEG, OTHER)])
+    assert (sure[:, [0, 5, 25, 30]] > 0.5).all()
+    assert not sure[:, 15].all()
     (alone,) = associate([view], radius=RADIUS, parameters=AssociationParameters())
-    assert alone[LEG].named is None
+    assert alone[LEG].name is None
 
 
 def test_where_nothing_may_be_a_point_nothing_is_decided(make_stack):
     stack = make_stack(np.zeros((N, H * SPACING, W * SPACING), np.uint8), spacing=SPACING)
     nothing = {p: np.full((N, H, W), 1e-3, np.float32) for p in (LEG, OTHER)}
-    tracklets, names = tell_apart(
+    tracklets, names, _ = tell_apart(
         stack, Annotations({}), masses={p: m / (H * W) for p, m in nothing.items()},
         others=nothing, looks=nothing, prior=even(), trust=0.5, radius=RADIUS,
         parameters=PARAMETERS,

@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates
+from pawnb.core.paws.offline.association.forward_backward import Posterior
 from pawnb.core.paws.offline.quality.signs import (
     SIGNS,
     Signs,
     mean_along,
     read_signs,
     sum_from_clicks,
-    usual_look,
 )
 
 
@@ -38,7 +39,17 @@ def test_means_reach_up_to_the_stops_on_either_side_and_hold_them():
 
 def test_without_a_click_there_is_no_way():
     assert np.isinf(sum_from_clicks(np.zeros(3), [])).all()
-    assert np.isfinite(Signs(*np.zeros((3, 3)), np.full(3, np.inf), 0.0).columns()).all()
+    signs = Signs(*np.zeros((4, 3)), np.full(3, np.inf), np.ones(3), 0.0)
+    assert np.isfinite(signs.columns()).all()
+
+
+def clicked(*points):
+    """Return that points were clicked in row 0."""
+    return Annotations({0: dict.fromkeys(points, np.zeros(2))})
+
+
+def posterior(agreement, name=None):
+    return Posterior(np.empty(0), np.array(agreement), name)
 
 
 def test_signs_are_read_at_the_estimate():
@@ -48,37 +59,47 @@ def test_signs_are_read_at_the_estimate():
     even = np.full(3, 0.5)
     found = Estimates(np.array([[0, 0], [2.8, 1.2], [3, 1]]), even, np.ones(3))
     signs = read_signs(
-        found,
-        motion=motion,
-        look=look,
-        agreement=np.array([0.5, np.exp(-1), np.exp(-1)]),
-        clicked=[0],
-        usual_look=-0.7,
-        left_out=-0.3,
-    )
+        {7: found}, {7: posterior([0.5, np.exp(-1), np.exp(-1)])}, motion={7: motion},
+        looks={7: look}, clicked=clicked(7), left_out={7: -0.3},
+    )[7]  # fmt: skip
     np.testing.assert_allclose(signs.broken, [0, 1, 2])
     np.testing.assert_allclose(signs.look, [0, -1, 0])
+    np.testing.assert_allclose(signs.other_look, signs.look)  # there is no other
     np.testing.assert_allclose(signs.motion_along, [1, 2 / 3, 1])  # 1 and 2 are breaks
     columns = dict(zip(SIGNS, signs.columns().T, strict=True))
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
-    np.testing.assert_allclose(columns["usual_look"], -0.7)
+    np.testing.assert_allclose(columns["name"], 1)
+    np.testing.assert_allclose(columns["usual_look"], -1 / 3)
     np.testing.assert_allclose(columns["left_out"], -0.3)
 
 
 def test_agreement_of_nothing_is_a_break_and_not_the_end():
     found = Estimates(np.zeros((2, 2)), np.ones(2), np.ones(2))
-    even = np.ones((2, 1, 1))
+    even = {0: np.ones((2, 1, 1))}
     signs = read_signs(
-        found, motion=even, look=even, agreement=np.zeros(2), clicked=[0], usual_look=0.0
+        {0: found}, {0: posterior(np.zeros(2))}, motion=even, looks=even, clicked=clicked(0)
     )
-    assert signs.broken[1] == pytest.approx(np.log(100))
+    assert signs[0].broken[1] == pytest.approx(np.log(100))
 
 
-def test_the_usual_look_is_that_at_all_estimates_of_a_view():
-    """Logarithms 2 and 0 of one point, -1 and -3 of another: mean -0.5."""
+def test_looks_of_others_and_names_are_those_at_each_points_estimate():
+    """By appearance, logarithms 2 and 0 of one point at its own places, -1 and -3 of another.
+
+    The usual look of the view is their mean, -0.5.
+    """
     looks = np.full((2, 2, 3, 3), np.exp(9.0))
     looks[0, [0, 1], [0, 1], [0, 1]] = np.exp([2.0, 0.0])
     looks[1, [0, 1], [2, 2], [1, 0]] = np.exp([-1.0, -3.0])
+    looks[0, [0, 1], [2, 2], [1, 0]] = np.exp([4.0, 5.0])  # at the places of the other
     places = np.array([[[0, 0], [1, 1]], [[1.2, 1.9], [0, 2]]])
     found = {i: Estimates(place, np.ones(2), np.ones(2)) for i, place in enumerate(places)}
-    assert usual_look(found, dict(enumerate(looks))) == pytest.approx(-0.5)
+    sure = {i: posterior(np.ones(2), name=np.array([1.0, 0.25 * i])) for i in found}
+    signs = read_signs(
+        found, sure, motion=dict(enumerate(looks)), looks=dict(enumerate(looks)),
+        clicked=clicked(0, 1),
+    )  # fmt: skip
+    assert signs[0].usual_look == signs[1].usual_look == pytest.approx(-0.5)
+    np.testing.assert_allclose(signs[1].look, [-1, -3])
+    np.testing.assert_allclose(signs[1].other_look, [4, 5])
+    np.testing.assert_allclose(signs[0].other_look, [9, 9])
+    np.testing.assert_allclose(signs[1].name, [1, 0.25])

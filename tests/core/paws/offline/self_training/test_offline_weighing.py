@@ -57,7 +57,8 @@ def test_of_two_clicked_frames_labels_are_learnt_but_no_powers(view):
 def test_appearance_is_trusted_where_it_finds_what_was_left_out(view):
     found = weigh([view([1, 5, 8, 12])], 1, PARAMETERS)
     assert found.powers.appearance > 0
-    assert found.offsets[0] > 0  # all four are found
+    # three of four are found, about as many as their signs say
+    assert found.offsets[0] == pytest.approx(0.0, abs=0.3)
 
 
 @pytest.fixture
