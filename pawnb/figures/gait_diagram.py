@@ -167,7 +167,7 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
         ax.set_ylabel("Foot in stance")
         said = []
         if (table["cut"] != "").any():
-            said.append("pale: stance reaches beyond the recording")
+            said.append("pale: stance goes on beyond what is shown")
         if (table["phase"] == "unknown").any():
             said.append("hatched: not known")
         if said:

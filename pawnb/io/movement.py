@@ -21,7 +21,7 @@ from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.files import write_whole
 from pawnb.io.outgoing import take_space, take_view, views_of
-from pawnb.io.points import check_finite, check_names
+from pawnb.io.points import check_finite, check_names, plain_name
 from pawnb.schema import (
     ORIGIN_CODE,
     Tracks,
@@ -237,7 +237,7 @@ def from_movement(
     every = every_frame(frames)
     views = [str(v) for v in dataset["view"].to_numpy()] if "view" in found else []
     space = [str(s) for s in dataset["space"].to_numpy()]
-    points = [str(k) for k in dataset["keypoint"].to_numpy()]
+    points = [plain_name(str(k)) for k in dataset["keypoint"].to_numpy()]
     animals = [str(i) for i in dataset["individual"].to_numpy()]
     for labels, what in ((points, "point"), (animals, "animal"), (views, "view")):
         check_names(labels, what=what, where=where)

@@ -97,7 +97,7 @@ def test_bars_are_drawn_where_the_table_says():
     low, high = ax.get_ylim()
     assert low > high  # first leg on top
     assert ax.get_xlabel() == "Time (s)"
-    assert ax.texts[0].get_text() == "pale: stance reaches beyond the recording"
+    assert ax.texts[0].get_text() == "pale: stance goes on beyond what is shown"
     assert ax.figure.get_size_inches()[0] * 25.4 == pytest.approx(85.0)
 
 

@@ -156,6 +156,13 @@ def test_sleap_io_reads_what_we_write(peers, tmp_path):
             assert largest_error(found[:, animal], true_uv(animal)) < 5e-5
 
 
+def test_points_of_movement_have_the_names_that_a_person_gave(peers):
+    """What sleap-io read into movement says Node(name='FR'); its values stay."""
+    tracks = load_tracks(peers / "movement.nc")
+    assert list(tracks["keypoint"].to_numpy()) == list(POINTS)
+    assert largest_error(places(tracks)[:, :, 0], true_uv(0)) < 1e-9
+
+
 def test_movement_reads_and_exports_what_we_write(peers, tmp_path):
     pytest.importorskip("movement")
     dataset = xr.load_dataset(peers / "movement.nc", engine="h5netcdf")
