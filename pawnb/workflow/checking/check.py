@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pawnb.core.video import ViewReader, open_views
+from pawnb.core.pixels.grey import has_colour
+from pawnb.core.video import Frame, ViewReader, open_views
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
@@ -205,22 +206,29 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
         report.faults.append(str(error))
         return sizes
     with views:
+        pictures: Mapping[str, Frame] = {}
+        for frame in (views.n_frames - 1, 0):
+            try:
+                pictures = views.frame(frame)
+            except PawnbError as error:
+                report.faults.append(str(error))
         for name in views.names:
             reader = views.readers[name]
             sizes[name] = [reader.width, reader.height]
-            colour = "colour" if reader.is_colour else "grey"
             report.found.append(
                 f"view {name}: {reader.n_frames} frames of {reader.width} x {reader.height} px"
-                f"{_say_crop(trial.view(name), reader)}, {colour}"
+                f"{_say_crop(trial.view(name), reader)}, {_say_colour(reader, pictures.get(name))}"
             )
         report.doubts += views.notes
-        for frame in (0, views.n_frames - 1):
-            try:
-                views.frame(frame)
-            except PawnbError as error:
-                report.faults.append(str(error))
         kind_of(trial).check_start(trial, views, report)
     return sizes
+
+
+def _say_colour(reader: ViewReader, first: Frame | None) -> str:
+    """Say whether a view is in colour: grey recordings are often stored as colour video."""
+    if not reader.is_colour:
+        return "grey"
+    return "colour" if first is None or has_colour(first.image()) else "grey, stored in colour"
 
 
 def _say_crop(view: View, reader: ViewReader) -> str:

@@ -6,6 +6,8 @@ import json
 import os
 import shutil
 
+import cv2
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -76,6 +78,18 @@ def test_what_a_crop_keeps_is_said(small_trial):
         InputError, match=r"if 100 and 120 are its width and height, write \[310, 5, 410, 125\]"
     ):
         check_trial(small_trial)
+
+
+def test_a_grey_film_that_is_stored_in_colour_is_said_to_be_grey(small_trial):
+    grey = np.tile(np.linspace(0, 255, 410).astype(np.uint8), (140, 1))
+    code = cv2.VideoWriter.fourcc(*"MJPG")
+    film = cv2.VideoWriter(str(small_trial / "cam1.avi"), code, 100.0, (410, 140))
+    for _ in range(40):
+        film.write(cv2.merge([grey] * 3))
+    film.release()
+    found = check_trial(small_trial).found
+    assert "view cam1: 40 frames of 410 x 140 px, grey, stored in colour" in found
+    assert "view cam2: 40 frames of 410 x 140 px, colour" in found
 
 
 def test_a_video_that_is_cut_short_is_doubted(small_trial):
