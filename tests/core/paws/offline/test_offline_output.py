@@ -168,13 +168,13 @@ PAWS = np.repeat([[[4.0, 2, 0], [4.0, -2, 0], [-4.0, 2, 0], [-4.0, -2, 0]]], 3, 
 def test_a_place_in_space_belongs_to_one_name(layout):
     shared = PAWS.copy()
     shared[1, 0] = shared[1, 1]
-    tracks = seen_at(layout, shared, [0.2, 0.9, 0.9, 0.9])
+    tracks = seen_at(layout, shared, [0.1, 0.9, 0.9, 0.9])
     sure = tracks["image_confidence"].isel(individual=0)
-    # 0.1 * 0.2 / 0.82: missing; 0.9 * 0.8 / 0.82
+    # 0.1 * 0.1 / 0.91: missing; 0.9 * 0.9 / 0.91
     assert (sure.sel(keypoint="FL").to_numpy()[1] == 0).all()
     assert np.isnan(tracks["image_position"].sel(keypoint="FL").to_numpy()[1]).all()
-    np.testing.assert_allclose(sure.sel(keypoint="FR").to_numpy()[1], 0.72 / 0.82, atol=1e-6)
-    np.testing.assert_allclose(sure.sel(keypoint="FL").to_numpy()[[0, 2]], 0.2)
+    np.testing.assert_allclose(sure.sel(keypoint="FR").to_numpy()[1], 0.81 / 0.91, atol=1e-6)
+    np.testing.assert_allclose(sure.sel(keypoint="FL").to_numpy()[[0, 2]], 0.1)
 
 
 def test_no_place_in_space_lies_beyond_the_body_but_one_that_was_placed(layout):
