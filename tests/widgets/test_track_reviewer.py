@@ -254,6 +254,24 @@ def test_what_saved_tracks_contain_is_undone_in_another_session(trial_file, tmp_
     last.close()
 
 
+@pytest.mark.slow
+def test_an_exchange_that_was_saved_is_said_where_the_trial_was_tracked_anew(trial_file, tmp_path):
+    options = {"edits": tmp_path / "edits.jsonl"}
+    first = TrackReviewer(trial_file, scene.true_tracks(), **options)
+    first.session.swap(20, "FR", "HR", stop=25)
+    put(first, 3, what="action", action="save")
+    first.close()
+    again = TrackReviewer(trial_file, read_tracks(tmp_path / "tracks.nc"), **options)
+    assert "tracked anew" not in again.status
+    again.close()
+    anew = scene.true_tracks()
+    anew["image_position"][30] += 5.0
+    write_track_results(anew, tmp_path)
+    last = TrackReviewer(trial_file, read_tracks(tmp_path / "tracks.nc"), **options)
+    assert "still needed: FR and HR exchanged in frames 20 to 24" in last.status
+    last.close()
+
+
 def test_tracks_that_were_made_meanwhile_are_not_written_over(trial_file, tmp_path):
     widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
     put(widget, 3)

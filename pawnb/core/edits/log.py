@@ -15,11 +15,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.effects import Retracker, RigLike, apply_edit, check_editable
 from pawnb.core.edits.hidden import hidden_by_hand
+from pawnb.core.edits.made_anew import same_places, say_made_anew
 from pawnb.core.edits.records import (
     EDIT_LINES,
     Accept,
@@ -43,10 +42,6 @@ __all__ = [
     "EDIT_LINES", "Accept", "Delete", "Edit", "EditLog", "Hide", "Interpolate", "Move", "Pose",
     "Retrack", "Swap", "apply_edit", "describe_edit", "replay", "say_unsaved",
 ]  # fmt: skip
-
-
-_ROUNDED_PX = 1e-3
-"""Files of tracks may keep single precision: 1/4096 px at 4096 px."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +107,7 @@ class EditLog:
         entries = self._file.entries if self._file is not None else []
         self.notes: list[str] = list(self._file.notes) if self._file is not None else []
         self._contained, self._past, self._future, note = _settle(entries, tracks)
-        self.notes += note
+        self.notes += [*note, *say_made_anew(tracks, before, self._past)]
         self.tracks = tracks
         self._changes: list[_Change] = []
         self._undone: list[_Change] = []  # those at the end of _future that were made here
@@ -266,7 +261,7 @@ class EditLog:
         self.tracks, reached = self._before(), False
         try:
             changes = [self._change(edit, edits[:k]) for k, edit in enumerate(edits)]
-            reached = _same_places(self.tracks, present)
+            reached = same_places(self.tracks, present)
         finally:
             if not reached:
                 self.tracks = present
@@ -406,12 +401,6 @@ def _contains(past: Sequence[Edit], stamp: dict | None) -> bool:
         and len(past) == stamp["corrections"]
         and _checksum(past) == stamp["sha256"]
     )
-
-
-def _same_places(one: Tracks, other: Tracks) -> bool:
-    """Whether two tracks have each point in the same places, but for how files round."""
-    a, b = (tracks["image_position"].to_numpy() for tracks in (one, other))
-    return a.shape == b.shape and np.allclose(a, b, atol=_ROUNDED_PX, equal_nan=True)
 
 
 def _checksum(edits: Sequence[Edit]) -> str:
