@@ -62,4 +62,4 @@ def say_made_anew(
     said = "the correction saved before is" if n == 1 else f"the {n} corrections saved before are"
     swaps = "; ".join(describe_edit(edit) for edit in edits if isinstance(edit, Swap))
     look = f"look whether this is still needed: {swaps}" if swaps else "look at them"
-    return [f"the trial was tracked anew, and {said} made in the new tracks, too; {look}"]
+    return [f"The trial was tracked anew, and {said} made in the new tracks, too; {look}."]

@@ -41,16 +41,16 @@ def test_an_exchange_in_tracks_that_were_made_anew_is_said(corrected):
     path, _ = corrected(MOVE, SWAP)
     (note,) = EditLog(still(offset=1.0), path, before=still).notes
     assert note == (
-        "the trial was tracked anew, and the 2 corrections saved before are made in the new "
-        "tracks, too; look whether this is still needed: FL and FR exchanged from frame 4 on"
+        "The trial was tracked anew, and the 2 corrections saved before are made in the new "
+        "tracks, too; look whether this is still needed: FL and FR exchanged from frame 4 on."
     )
 
 
 def test_places_are_right_in_any_tracks_but_are_to_be_looked_at(corrected):
     path, _ = corrected(MOVE)
     (note,) = EditLog(still(offset=1.0), path, before=still).notes
-    assert note.startswith("the trial was tracked anew, and the correction saved before is made")
-    assert note.endswith("; look at them")
+    assert note.startswith("The trial was tracked anew, and the correction saved before is made")
+    assert note.endswith("; look at them.")
 
 
 def test_nothing_is_said_of_the_tracks_in_which_they_were_made(corrected):
