@@ -17,6 +17,7 @@ from pawnb.arrays import AnyArray, FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.association.forward_backward import Posterior
+from pawnb.core.paws.offline.parameters import APPEARANCE
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
 SIGNS = {
@@ -44,7 +45,7 @@ class Signs:
         The same by appearance, of the frame alone.
     other_look : ndarray, shape (n,)
         The same of the other points, the largest: what looks like another point is at least one of
-        them, as legs look alike. That of the point itself where there is no other.
+        them, as legs look alike. The least that there is where there is no other.
     broken : ndarray, shape (n,)
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
@@ -117,12 +118,13 @@ def read_signs(
         agreement, name = posteriors[p].agreement, posteriors[p].name
         rows = clicked.rows_of(p)
         stops = [*rows, *np.flatnonzero(agreement < QUALITY.agreement_break).tolist()]
-        others = [look for q, look in here[p].items() if q != p] or [here[p][p]]
+        others = [look for q, look in here[p].items() if q != p]
+        nothing = np.full(len(agreement), np.log(APPEARANCE.lowest))
         signs[p] = Signs(
             own.probability,
             mean_along(_at_estimates(motion[p], own), stops),
             here[p][p],
-            np.max(others, axis=0),
+            np.max([*others, nothing], axis=0),
             sum_from_clicks(-np.log(np.clip(agreement, QUALITY.agreement_least, 1.0)), rows),
             np.ones(len(agreement)) if name is None else name,
             usual,
