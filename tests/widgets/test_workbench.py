@@ -146,7 +146,7 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     assert (described / "results" / "events.csv").exists()
     (state,) = bench.session.states
     assert state.next_step == "look"
-    assert "strides of" in said(bench)
+    assert "no stride was found" in said(bench)
     assert "(dropped.csv says why); note: small: no stride" in said(bench)
     # clicks in another frame are offered where the tracks are not good, and open there
     tracks = bench.session.tracks(state)

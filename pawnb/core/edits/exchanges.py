@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -53,9 +54,10 @@ def exchange_again(
     for (first, second), turned in _exchanged_rows(tracks, swaps, views).items():
         pair = [place_of(tracks, "keypoint", name) for name in (first, second)]
         was, now = (t["image_position"].values[..., pair, 0] for t in (tracks, new))
-        by_hand = (tracks["image_origin"].values[..., pair, 0] == ORIGIN_CODE["edited"]).any(axis=2)
-        if _mind_changed(was, turned, by_hand, row_of(tracks, frame)):
+        placed = tracks["image_origin"].values[..., pair, 0] == ORIGIN_CODE["edited"]
+        if _mind_changed(was, turned, placed, row_of(tracks, frame)):
             continue
+        by_hand = placed.any(axis=2)
         everywhere = turned.all(axis=1) & ~by_hand.any(axis=1)
         found: list[tuple[str | None, BoolArray]] = [(None, everywhere & _is_crosswise(was, now))]
         for v, name in enumerate(views):
@@ -101,11 +103,18 @@ def _exchanged_rows(
     return found
 
 
-def _mind_changed(was: FloatArray, turned: BoolArray, by_hand: BoolArray, row: int) -> bool:
+def _mind_changed(was: FloatArray, turned: BoolArray, placed: BoolArray, row: int) -> bool:
     """Tell whether a point was put by hand where the other of its pair is just before or after."""
-    views = np.flatnonzero(by_hand[row] & turned[row])
-    beside = [r for r in (row - 1, row + 1) if 0 <= r < len(was) and turned[r, views].all()]
-    return any(_is_crosswise(was[[r]][:, views], was[[row]][:, views])[0] for r in beside)
+    beside = [r for r in (row - 1, row + 1) if 0 <= r < len(was)]
+    for r, point in itertools.product(beside, range(2)):
+        views = placed[row, :, point] & turned[row] & turned[r]
+        own, other = (
+            np.linalg.norm(was[row, views, :, point] - was[r, views, :, p], axis=-1)
+            for p in (point, 1 - point)
+        )
+        if np.nansum(other) < np.nansum(own):
+            return True
+    return False
 
 
 def _is_crosswise(was: FloatArray, now: FloatArray) -> BoolArray:
