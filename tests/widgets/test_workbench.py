@@ -9,6 +9,7 @@ import small_trial as scene
 import pawnb
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE
 from pawnb.widgets import ClickInitialiser, TrackReviewer
 from pawnb.widgets.crop_canvas import CropCanvas, drag_corner
 from pawnb.widgets.workbench_session import WorkbenchSession
@@ -152,6 +153,9 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     tracks = bench.session.tracks(state)
     sure = tracks.copy(deep=True)
     sure["image_confidence"][:] = 1.0
+    lost = {"view": "cam2", "keypoint": "HR"}  # it stands, and is missing at the end
+    sure["image_position"].loc[lost] = sure["image_position"].sel(lost)[0]
+    sure["image_origin"].loc[lost] = ORIGIN_CODE["measured"]
     assert bench.session.frame_to_click(state, sure) is None
     frame = bench.session.frame_to_click(state, tracks)
     assert frame == pawnb.suggest_frames(described, tracks)["frame"][0]
