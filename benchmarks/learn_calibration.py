@@ -1,6 +1,7 @@
 """Learn how likely labels are right from what is measured of them.
 
 python benchmarks/learn_calibration.py [--clips NAME ...] [--clicks 1 2 3 5] [--cache FOLDER]
+    [--learn-from NAME ...] [--without SIGN ...]
 
 Tracks real clips with marks (see real_clip_marks.py) by learnt evidence from a few clicked frames
 and takes the signs (`offline/quality/signs.py`) of the labels that have a mark. A logistic
@@ -9,7 +10,8 @@ regression, in which no sign may count against its meaning, gives the weights of
 left-out clicks say depends on the weights, which are learnt three times over. Every clip is then
 judged by weights learnt from all others: share right and expected, verdicts, how often a wrong
 label has a smaller chance than a right one (AUROC), and marks inside the 95 % intervals. Last come
-the weights that all clips together give.
+the weights that all clips together give. --learn-from learns from some clips only, and --without
+leaves signs out.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -51,11 +54,18 @@ STRICTER = 0.4
 labels, 7, 7, 8, 8 and 10 % of right ones."""
 
 
+LEAST_CHANCE = 1e-4
+"""What surely is right or wrong, and is not, counts as if it had so much probability."""
+
+
 def parse() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--clips", nargs="+", metavar="NAME", help="(default: all that are there)")
     parser.add_argument("--clicks", nargs="+", type=int, default=[1, 2, 3, 5], metavar="N")
     parser.add_argument("--cache", type=Path, metavar="FOLDER", help="keeps what was measured")
+    parser.add_argument("--learn-from", nargs="+", metavar="NAME", help="(default: all clips)")
+    signs = [sign for sign in SIGNS if sign != "left_out"]
+    parser.add_argument("--without", nargs="+", choices=signs, default=[], metavar="SIGN")
     return parser.parse_args()
 
 
@@ -71,7 +81,9 @@ def main() -> None:
         cache.mkdir(parents=True, exist_ok=True)
         cells = [cell(real.Clip(home / c), n, cache) for c in names for n in options.clicks]
     marks, left_out = zip(*[one for one in cells if one is not None], strict=True)
-    report(pd.concat(marks, ignore_index=True), pd.concat(left_out, ignore_index=True))
+    even = dict.fromkeys(options.without, 0.0)
+    tables = (pd.concat(own, ignore_index=True).assign(**even) for own in (marks, left_out))
+    report(*tables, learn_from=options.learn_from)
 
 
 def cell(clip: real.Clip, n: int, cache: Path) -> tuple[pd.DataFrame, pd.DataFrame] | None:
@@ -193,12 +205,16 @@ def fit(cells: pd.DataFrame) -> tuple[np.ndarray, float]:
     return weights, float(w[0] - weights @ middle) - STRICTER
 
 
-def report(labels: pd.DataFrame, left_out: pd.DataFrame) -> None:
+def report(
+    labels: pd.DataFrame, left_out: pd.DataFrame, *, learn_from: Sequence[str] | None = None
+) -> None:
     """Print how every clip is judged by weights learnt from the others, and the weights."""
     chance = np.empty(len(labels))
+    clips = learn_from or labels["clip"].unique()
+    taught, heard_of = (table["clip"].isin(clips).to_numpy() for table in (labels, left_out))
     for clip in labels["clip"].unique():
         own, known = ((table["clip"] == clip).to_numpy() for table in (labels, left_out))
-        weights, offset = learn(labels[~own], left_out[~known])
+        weights, offset = learn(labels[taught & ~own], left_out[heard_of & ~known])
         marks = heard(labels[own], left_out[known], weights, offset)
         odds = marks[list(SIGNS)].to_numpy(float) @ weights + offset
         chance[own] = np.minimum(expit(odds), marks["probability"])
@@ -207,13 +223,19 @@ def report(labels: pd.DataFrame, left_out: pd.DataFrame) -> None:
     print(markdown(pd.DataFrame(rows)))
     right = sum(row["verdict"] == row["deserved"] for row in rows)
     auroc = real.auroc(-chance, ~labels["ok"].to_numpy(bool))
-    print(f"\nverdicts right: {right} of {len(rows)}; AUROC of all marks together: {auroc:.2f}")
+    print(f"\nverdicts right: {right} of {len(rows)}; AUROC of all marks together: {auroc:.3f}")
     ok = labels["ok"].to_numpy(bool)
+    likelihood = np.log(np.clip(np.where(ok, chance, 1.0 - chance), LEAST_CHANCE, 1.0)).mean()
+    below = percent(chance[~ok] < np.quantile(chance[ok], 0.1))
+    print(
+        f"mean log-likelihood {likelihood:.3f}; below a tenth of the right marks: "
+        f"{below} % of wrong ones"
+    )
     wrong, sound = percent(chance[~ok] < RUN.measured), percent(chance[ok] < RUN.measured)
     print(f"doubted: {wrong} % of wrong marks, {sound} % of right ones")
-    weights, offset = learn(labels, left_out)
+    weights, offset = learn(labels[taught], left_out[heard_of])
     print("weights:", dict(zip(SIGNS, weights.round(2).tolist(), strict=True)))
-    print(f"offset: {offset:.2f}, from {len(labels)} marks of {len(rows)} runs")
+    print(f"offset: {offset:.2f}, from {taught.sum()} marks")
 
 
 def judge(clip: str, n: int, own: pd.DataFrame) -> dict[str, str]:

@@ -16,7 +16,7 @@ def drawn(motion_weight, broken_weight, offset, n=4000):
     return pd.DataFrame({
         "clip": ["a", "b"] * (n // 2), "clicks": 1, "point": 0, "ok": rng.random(n) < chance,
         "probability": 1.0, "motion_along": motion, "look": 0.0,
-        "other_look": 0.0, "broken": broken, "name": 0.0, "usual_look": 0.0, "left_out": 0.0,
+        "other_look": 0.0, "broken": broken, "name_share": 0.0, "usual_look": 0.0, "left_out": 0.0,
         "off_u": 0.0, "off_v": 0.0,
         "sd_px": 1.0, "extent": 100.0,
     })  # fmt: skip

@@ -14,7 +14,7 @@ from pawnb.core.edits.stretches import place_of, row_of, rows_of_edit
 from pawnb.schema import ORIGIN_CODE, Tracks
 
 _UNSEEN_PX = 50.0
-"""A point that is known in one of two tracks only counts as so far apart."""
+"""A point that is known in one of two tracks only counts as so far apart. Set by hand."""
 
 
 def exchange_again(

@@ -48,7 +48,8 @@ def say_made_anew(
     Returns
     -------
     list of str
-        One sentence, or nothing where the tracks contain corrections or are those from before.
+        One sentence, or nothing where the tracks contain corrections or are those from before;
+        also where those from before cannot be read.
     """
     steps = json.loads(tracks.attrs.get("provenance", "{}")).get("steps", [])
     if before is None or not edits or any(step.get("step") == "edit" for step in steps):
@@ -56,8 +57,10 @@ def say_made_anew(
     try:
         if same_places(tracks, before()):
             return []
-    except PawnbError:
-        return []  # it is said where they are needed
+    except PawnbError as error:
+        return [
+            f"Whether the trial was tracked anew since corrections were saved is not known: {error}"
+        ]
     n = len(edits)
     said = "the correction saved before is" if n == 1 else f"the {n} corrections saved before are"
     swaps = "; ".join(describe_edit(edit) for edit in edits if isinstance(edit, Swap))

@@ -183,11 +183,12 @@ def test_beside_a_point_that_was_placed_its_partner_stays_too():
         np.testing.assert_allclose(log.tracks[name], before[name])
 
 
-def test_who_puts_a_point_where_the_other_is_has_changed_their_mind():
+@pytest.mark.parametrize("points", ["PQ", "P", "Q"])
+def test_who_puts_a_point_where_the_other_is_has_changed_their_mind(points):
     log = EditLog(wand(), rig=RIG, retrack=taken_back)
     log.apply(Swap(frame=4, first="P", second="Q"))
     for view in ("a", "b", "c"):
-        for point in ("P", "Q"):
+        for point in points:
             u, v = uv_of(wand(), 6, view, point)
             log.apply(Move(frame=6, view=view, point=point, u=u, v=v))
     log.apply(Retrack(frame=6))

@@ -281,7 +281,7 @@ class _Work:
         self._hear_correlation(found, shares)
         agreed = agreed_lessons(
             stack, self.view.annotations, estimates=self.estimates, looks=self.looks,
-            priors=self.priors, names={p: q.name for p, q in posteriors.items()},
+            priors=self.priors, name_shares={p: q.name_share for p, q in posteriors.items()},
             radius=self.radius, parameters=self.parameters.appearance,
         )  # fmt: skip
         moved_on = {self.begin + row: lesson for row, lesson in agreed.items()}

@@ -121,7 +121,9 @@ def associate(
             factors.append({p: f * more[p] if p in more else f for p, f in factor.items()})
     return [
         {
-            p: dataclasses.replace(q, name=decided[view.name][p]) if view.name in decided else q
+            p: dataclasses.replace(q, name_share=decided[view.name][p])
+            if view.name in decided
+            else q
             for p, q in own.items()
         }
         for view, own in zip(views, posteriors, strict=True)

@@ -27,14 +27,14 @@ class Posterior:
         How far what came before a frame and what comes after it (each with the frame itself) put
         the point in one place: 1 where they agree, 0 where they exclude each other
         (Bhattacharyya coefficient after a blur of half a paw).
-    name : ndarray, shape (n,), optional
+    name_share : ndarray, shape (n,), optional
         How surely the tracklet that was given to the point there is its own (:mod:`.joint`): 0
         where none was, None where names were not decided jointly.
     """
 
     mass: np.ndarray
     agreement: np.ndarray
-    name: np.ndarray | None = None
+    name_share: np.ndarray | None = None
 
 
 def smooth_posterior(

@@ -19,8 +19,8 @@ class QualityParameters:
         camel, dog, fly, horse and mouse from below with 1, 2, 3 and 5 clicked frames, 20 runs. Of
         the 28 runs of all seven clips, each by weights of the others of these five: the mean
         log-likelihood of right and wrong is -0.270 and the area under the ROC curve 0.913; without
-        ``name`` -0.273 and 0.912, without ``other_look`` -0.292 and 0.900, without both -0.293 and
-        0.900.
+        ``name_share`` -0.273 and 0.912, without ``other_look`` -0.292 and 0.900, without both
+        -0.293 and 0.900.
     offset : float
         Log-odds without any sign. 0.4 below what was measured with the weights, as good that is
         said in vain costs more than a look.

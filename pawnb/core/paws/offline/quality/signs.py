@@ -21,7 +21,7 @@ from pawnb.core.paws.offline.parameters import APPEARANCE
 from pawnb.core.paws.offline.quality.parameters import QUALITY
 
 SIGNS = {
-    "motion_along": 1, "look": 1, "other_look": 1, "broken": -1, "name": 1, "usual_look": 1,
+    "motion_along": 1, "look": 1, "other_look": 1, "broken": -1, "name_share": 1, "usual_look": 1,
     "left_out": 1,
 }  # fmt: skip
 """Definition: the columns of :meth:`Signs.columns`, and whether each speaks for a label or against
@@ -50,7 +50,7 @@ class Signs:
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
         infinite where there is no click.
-    name : ndarray, shape (n,)
+    name_share : ndarray, shape (n,)
         How surely the tracklet there is its own: see :class:`.forward_backward.Posterior`; 1 where
         a point is alone.
     usual_look : float
@@ -66,7 +66,7 @@ class Signs:
     look: np.ndarray
     other_look: np.ndarray
     broken: FloatArray
-    name: FloatArray
+    name_share: FloatArray
     usual_look: float
     left_out: float = 0.0
 
@@ -75,7 +75,15 @@ class Signs:
         broken = np.log1p(np.minimum(self.broken, QUALITY.broken_most))
         usual, left_out = (np.full(len(broken), own) for own in (self.usual_look, self.left_out))
         return np.stack(
-            [self.motion_along, self.look, self.other_look, broken, self.name, usual, left_out],
+            [
+                self.motion_along,
+                self.look,
+                self.other_look,
+                broken,
+                self.name_share,
+                usual,
+                left_out,
+            ],
             axis=-1,
         )
 
@@ -115,7 +123,7 @@ def read_signs(
     usual = float(np.mean([here[p][p].mean() for p in found]))
     signs = {}
     for p, own in found.items():
-        agreement, name = posteriors[p].agreement, posteriors[p].name
+        agreement, share = posteriors[p].agreement, posteriors[p].name_share
         rows = clicked.rows_of(p)
         stops = [*rows, *np.flatnonzero(agreement < QUALITY.agreement_break).tolist()]
         others = [look for q, look in here[p].items() if q != p]
@@ -126,7 +134,7 @@ def read_signs(
             here[p][p],
             np.max([*others, nothing], axis=0),
             sum_from_clicks(-np.log(np.clip(agreement, QUALITY.agreement_least, 1.0)), rows),
-            np.ones(len(agreement)) if name is None else name,
+            np.ones(len(agreement)) if share is None else share,
             usual,
             (left_out or {}).get(p, 0.0),
         )

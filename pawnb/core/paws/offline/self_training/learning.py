@@ -21,7 +21,7 @@ def agreed_lessons(
     estimates: Mapping[int, Estimates],
     looks: Mapping[int, Float32Array],
     priors: Mapping[int, Float32Array],
-    names: Mapping[int, FloatArray | None],
+    name_shares: Mapping[int, FloatArray | None],
     radius: float,
     parameters: AppearanceParameters,
 ) -> dict[int, Lesson]:
@@ -39,7 +39,7 @@ def agreed_lessons(
         Point to ratios of likelihoods by appearance alone.
     priors : mapping
         Point to the probability of places without evidence.
-    names : mapping
+    name_shares : mapping
         Point to how surely the tracklet that was given to it is its own (n,); where that is 0
         nothing is learnt of it. None where names were not decided jointly.
     radius : float
@@ -61,9 +61,9 @@ def agreed_lessons(
         good[:, i] = (estimates[point].probability > parameters.sure) & (
             apart < RUN.agree_radii * radius
         )
-        name = names[point]
-        if name is not None:
-            good[:, i] &= name > 0.0
+        share = name_shares[point]
+        if share is not None:
+            good[:, i] &= share > 0.0
     count = good.sum(axis=1)
     lessons = {}
     random = np.random.default_rng(0)

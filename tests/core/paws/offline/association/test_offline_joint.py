@@ -174,11 +174,11 @@ def test_it_is_said_where_a_point_has_a_tracklet_and_how_surely(scene):
     (jointly,) = associate(
         [view], radius=RADIUS, parameters=AssociationParameters(), identity=PARAMETERS
     )
-    sure = np.stack([jointly[p].name for p in (LEG, OTHER)])
+    sure = np.stack([jointly[p].name_share for p in (LEG, OTHER)])
     assert (sure[:, [0, 5, 25, 30]] > 0.5).all()
     assert not sure[:, 15].all()
     (alone,) = associate([view], radius=RADIUS, parameters=AssociationParameters())
-    assert alone[LEG].name is None
+    assert alone[LEG].name_share is None
 
 
 def test_where_nothing_may_be_a_point_nothing_is_decided(make_stack):

@@ -26,7 +26,7 @@ USUAL = Signs(*(np.array([x]) for x in (0.99, 1.0, 0.0, -1.0, 1.0, 0.9)), 0.0)
         ("motion_along", 2.5, 0.0),
         ("look", 2.0, -3.0),
         ("other_look", 2.0, -3.0),
-        ("name", 1.0, 0.0),
+        ("name_share", 1.0, 0.0),
         ("broken", 0.1, 20.0),
         ("usual_look", 0.0, -2.0),
         ("left_out", 0.5, -0.5),

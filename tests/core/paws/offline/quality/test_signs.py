@@ -48,8 +48,8 @@ def clicked(*points):
     return Annotations({0: dict.fromkeys(points, np.zeros(2))})
 
 
-def posterior(agreement, name=None):
-    return Posterior(np.empty(0), np.array(agreement), name)
+def posterior(agreement, name_share=None):
+    return Posterior(np.empty(0), np.array(agreement), name_share)
 
 
 def test_signs_are_read_at_the_estimate():
@@ -68,7 +68,7 @@ def test_signs_are_read_at_the_estimate():
     np.testing.assert_allclose(signs.motion_along, [1, 2 / 3, 1])  # 1 and 2 are breaks
     columns = dict(zip(SIGNS, signs.columns().T, strict=True))
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
-    np.testing.assert_allclose(columns["name"], 1)
+    np.testing.assert_allclose(columns["name_share"], 1)
     np.testing.assert_allclose(columns["usual_look"], -1 / 3)
     np.testing.assert_allclose(columns["left_out"], -0.3)
 
@@ -93,7 +93,7 @@ def test_looks_of_others_and_names_are_those_at_each_points_estimate():
     looks[0, [0, 1], [2, 2], [1, 0]] = np.exp([4.0, 5.0])  # at the places of the other
     places = np.array([[[0, 0], [1, 1]], [[1.2, 1.9], [0, 2]]])
     found = {i: Estimates(place, np.ones(2), np.ones(2)) for i, place in enumerate(places)}
-    sure = {i: posterior(np.ones(2), name=np.array([1.0, 0.25 * i])) for i in found}
+    sure = {i: posterior(np.ones(2), name_share=np.array([1.0, 0.25 * i])) for i in found}
     signs = read_signs(
         found, sure, motion=dict(enumerate(looks)), looks=dict(enumerate(looks)),
         clicked=clicked(0, 1),
@@ -102,4 +102,4 @@ def test_looks_of_others_and_names_are_those_at_each_points_estimate():
     np.testing.assert_allclose(signs[1].look, [-1, -3])
     np.testing.assert_allclose(signs[1].other_look, [4, 5])
     np.testing.assert_allclose(signs[0].other_look, [9, 9])
-    np.testing.assert_allclose(signs[1].name, [1, 0.25])
+    np.testing.assert_allclose(signs[1].name_share, [1, 0.25])
