@@ -320,8 +320,7 @@ class CalibrationDigitiser(FrameCanvas):
         """Say what is to be done, and which buttons can be pressed."""
         self.sliders = []
         if self._doing:
-            self.status = f"{self._doing} ..."
-            self.actions = []
+            self._tell(f"{self._doing} ...", [])
         elif self.measuring is not None:
             self._show_measuring(self.measuring)
         elif self.session is not None:
@@ -331,8 +330,8 @@ class CalibrationDigitiser(FrameCanvas):
                 lines = session.written.lines()
                 kept += f" Wrote {' and '.join(Path(f).name for f in session.written.files())}: "
                 kept += lines[-1]
-            self.status = f"{session.prompt()}\n{kept}".rstrip()
-            self.actions = [*session.actions(), *self._common(session)]
+            actions = [*session.actions(), *self._common(session)]
+            self._tell(f"{session.prompt()}\n{kept}".rstrip(), actions)
 
     def _common(
         self, session: PointCalibration | BoardPictures | WandClicks
@@ -358,20 +357,20 @@ class CalibrationDigitiser(FrameCanvas):
         unit = "mm" if calibration is None else calibration.unit
         found = measuring.result()
         words = "" if found is None else f"\n{self._measured_view}: {found.text(unit)}."
-        self.status = f"{measuring.prompt(unit)}{words}"
         self.sliders = [
             {"id": "known_length", "text": f"Known length, {unit}", "number": True, "min": 0,
              "max": None, "step": "any", "value": measuring.length,
              "title": "How far apart the two ends are"},
         ]  # fmt: skip
         leave = {"id": "scale", "text": "Leave", "keys": ["c"], "title": "Back to the points (C)"}
-        self.actions = [
+        actions: list[dict[str, Any]] = [
             {"id": "use_scale", "text": "Use this scale", "keys": ["Enter"],
              "enabled": found is not None, "title": "Write px_per_unit into trial.toml (Enter)"},
             {"id": "grid", "text": "Find a grid",
              "title": "Its lines are the known length apart; choose a frame without the animal"},
             *([leave] if self.session is not None else []),
         ]  # fmt: skip
+        self._tell(f"{measuring.prompt(unit)}{words}", actions)
 
 
 def _open(pictures: Mapping[str, str | Path]) -> ViewSet:

@@ -176,8 +176,7 @@ class ClickInitialiser(FrameCanvas):
         warned = f"⚠ {contradiction}\n" if contradiction else ""
         clicked = f"{there} " if (there := session.clicked()) else ""
         state = f"{warned}{said}{clicked}{session.missing()} {file}"
-        self.status = f"{self._reason}{session.prompt()}\n{state}"
-        self.actions = [
+        actions: list[dict[str, Any]] = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],
              "title": "The point that is asked for cannot be seen in this view (H)",
              "enabled": session.current is not None},
@@ -189,7 +188,8 @@ class ClickInitialiser(FrameCanvas):
         if offered:
             accept = {"id": "accept", "text": "Accept all", "keys": ["Enter"]}
             title = "Take every proposed point of this frame as it is (Enter)"
-            self.actions = [accept | {"title": title}, *self.actions]
+            actions = [accept | {"title": title}, *actions]
+        self._tell(f"{self._reason}{session.prompt()}\n{state}", actions)
 
 
 def trial_span(trial: Trial, views: ViewSource) -> tuple[int, int]:

@@ -221,6 +221,15 @@ class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
             A frame that the browser should show next.
         """
 
+    def _tell(self, status: str, actions: Sequence[Mapping[str, Any]]) -> None:
+        """Tell the browser what can be pressed, and last what was done.
+
+        A key is not heard while its button is off: who reads that something is done, and presses
+        at once, finds the buttons on.
+        """
+        self.actions = list(actions)
+        self.status = status
+
     def link_views(self, rig: Rig | None) -> None:
         """Show in the other views of a rig where a point lies that is dragged in one of them."""
         columns = () if rig is None else zip(rig.names, rig.coefs.T.tolist(), strict=True)

@@ -330,7 +330,6 @@ class StickPoser(FrameCanvas):
             return
         told = f"{said or session.prompt()}\n{session.remarks()} {self._kept()}"
         seen = self._look()
-        self.status = told if seen is None else f"{told}\n{seen[0].in_words(seen[1])}"
         leg, layers = session.leg, self._shown_layers()
         length = round(session.pose.length_of(leg), 3)
         self.sliders = [
@@ -350,7 +349,7 @@ class StickPoser(FrameCanvas):
             actions.append(again)
         for action in actions:
             action["enabled"] = action.get("enabled", True) and (not busy or action["id"] == "stop")
-        self.actions = actions
+        self._tell(told if seen is None else f"{told}\n{seen[0].in_words(seen[1])}", actions)
 
     def _show_measuring(self, measuring: ScaleClicks) -> None:
         """Say what to click for the scale."""
@@ -358,17 +357,17 @@ class StickPoser(FrameCanvas):
         unit = "mm" if calibration is None else calibration.unit
         found = measuring.result()
         words = "" if found is None else f"\n{found.text(unit)}."
-        self.status = f"{measuring.prompt(unit)}{words}"
         self.sliders = [
             {"id": "known_length", "text": f"Known length, {unit}", "number": True, "min": 0,
              "max": None, "step": "any", "value": measuring.length,
              "title": "How far apart the two ends are"},
         ]  # fmt: skip
-        self.actions = [
+        actions: list[dict[str, Any]] = [
             {"id": "use_scale", "text": "Use this scale", "keys": ["Enter"],
              "enabled": found is not None, "title": "Write px_per_unit into trial.toml (Enter)"},
             {"id": "scale", "text": "Leave", "keys": ["c"], "title": "Keep the scale as it is (C)"},
         ]  # fmt: skip
+        self._tell(f"{measuring.prompt(unit)}{words}", actions)
 
     def _kept(self) -> str:
         """Say where the pose is kept."""

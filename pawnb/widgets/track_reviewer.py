@@ -344,7 +344,6 @@ class TrackReviewer(Comparing, Questions):
         session = self.session
         said = said or _WHAT_TO_DO[bool(self._suspects)]
         stop = "" if said.endswith(".") else "."
-        self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{self._cost()}"
         pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
         actions: list[dict[str, Any]] = [
             {"id": "retrack", "text": "Track again from here", "keys": ["r"],
@@ -370,7 +369,8 @@ class TrackReviewer(Comparing, Questions):
             free = not busy or action["id"] in _LOOKING
             action["enabled"] = action.get("enabled", True) and free
         left_out = [*(() if pairs else ("swap",)), *(() if self._tracks_again else _AGAIN)]
-        self.actions = [action for action in actions if action["id"] not in left_out]
+        shown = [action for action in actions if action["id"] not in left_out]
+        self._tell(f"{said[:1].upper()}{said[1:]}{stop}\n{self._cost()}", shown)
 
 
 def _taken(action: str, edit: Edit | None) -> str:

@@ -99,6 +99,21 @@ def test_colours_are_learnt_anew_where_a_person_asks(trial_file, tmp_path):
     widget.close()
 
 
+def test_keys_are_heard_again_before_it_is_said_that_tracking_again_is_done(review):
+    # a browser that reads the words and presses the key at once was not heard (a race)
+    widget = review()
+    heard = []
+
+    def note(change):
+        on = {offer["id"]: offer["enabled"] for offer in widget.actions}
+        heard.append((change["new"].split(" from ")[0], on["learn"]))
+
+    widget.observe(note, "status")
+    widget.retrack(19)
+    widget._worker.join(60)
+    assert heard == [("Tracking again", False), ("Tracked again", True)]
+
+
 def test_frames_to_look_at_can_be_given(review):
     table = pd.DataFrame(
         [[7, "cam1", "HR", "to try", 1.0]], columns=["frame", "view", "point", "reason", "score"]
