@@ -185,6 +185,18 @@ def test_missing_file_and_text_that_is_no_toml(tmp_path):
         load_trial(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["run 1.mp4", "RUN.AVI"])
+def test_a_video_given_for_a_trial_says_how_to_make_one(tmp_path, name):
+    (tmp_path / name).write_bytes(b"\x00\x00\x00\x18ftypisom\xff\xfe")
+    with pytest.raises(InputError) as caught:
+        load_trial(tmp_path / name)
+    assert str(caught.value) == (
+        f"{tmp_path / name}: a video, not a trial; expected a trial.toml or the folder that holds "
+        "one: make one of videos by `pawnb new VIDEO ...`, or by clicks with `pawnb open VIDEO "
+        "...`."
+    )
+
+
 def test_a_trial_without_views_or_tracks_is_refused(tmp_path):
     path = tmp_path / "trial.toml"
     path.write_text("[trial]\nfps = 100\n")

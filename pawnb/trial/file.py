@@ -6,9 +6,12 @@ from pathlib import Path
 
 import tomli_w
 
+from pawnb.errors import InputError
 from pawnb.files import read_toml, write_whole
 from pawnb.trial.description import Trial
 from pawnb.trial.document import trial_document, trial_from_document
+
+VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts")
 
 
 def load_trial(path: str | Path) -> Trial:
@@ -27,7 +30,7 @@ def load_trial(path: str | Path) -> Trial:
     Raises
     ------
     InputError
-        If the file is missing or is not TOML, if a section or field is unknown or has
+        If the file is missing, is a video or is not TOML, if a section or field is unknown or has
         the wrong type, or if a required one (such as ``fps``) is missing.
 
     Examples
@@ -39,6 +42,11 @@ def load_trial(path: str | Path) -> Trial:
     path = Path(path)
     if path.is_dir():
         path = path / "trial.toml"
+    if path.suffix.lower() in VIDEO_ENDINGS and path.is_file():
+        raise InputError(
+            f"{path}: a video, not a trial; expected a trial.toml or the folder that holds one: "
+            "make one of videos by `pawnb new VIDEO ...`, or by clicks with `pawnb open VIDEO ...`."
+        )
     document = read_toml(path, expected="a trial.toml or the folder that holds one")
     return trial_from_document(document, where=str(path), folder=path.parent)
 

@@ -7,10 +7,9 @@ from pathlib import Path
 from pawnb.errors import PawnbError
 from pawnb.io.formats import recognise_format
 from pawnb.trial import Trial
+from pawnb.trial.file import VIDEO_ENDINGS
 from pawnb.workflow.gait.sources import recording_name
 from pawnb.workflow.reviewing.foreign import CORRECTED
-
-VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts")
 
 
 def find_videos(folder: str | Path) -> list[Path]:

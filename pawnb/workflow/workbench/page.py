@@ -10,8 +10,9 @@ from typing import Any
 
 from pawnb.errors import InputError
 from pawnb.files import read_text, write_whole
+from pawnb.trial.file import VIDEO_ENDINGS
 from pawnb.workflow.lab import lab_command, run_lab
-from pawnb.workflow.workbench.films import VIDEO_ENDINGS, is_tracks_file
+from pawnb.workflow.workbench.films import is_tracks_file
 
 PAGE = "workbench.ipynb"
 _MARK = "pawnb_workbench"
