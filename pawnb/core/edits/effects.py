@@ -11,7 +11,8 @@ import numpy as np
 from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
 from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.exchanges import exchange_again
-from pawnb.core.edits.pose_stretches import edit_legs, hide_leg
+from pawnb.core.edits.hidden import hide_again
+from pawnb.core.edits.pose_stretches import edit_legs
 from pawnb.core.edits.records import (
     Accept,
     Delete,
@@ -116,12 +117,12 @@ def apply_edit(
     if isinstance(edit, Retrack):
         if retrack is not None and edit.learn:
             retrack = partial(retrack, learn=True)
-        if is_pose(tracks):
-            new = _poses_again(tracks, edit.frame, retrack, hidden)
-        else:
-            new = _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
-            exchange = partial(apply_edit, rig=rig, px_per_unit=px_per_unit)
-            new = exchange_again(tracks, new, exchanged, frame=edit.frame, exchange=exchange)
+        track_again = _poses_again if is_pose(tracks) else _points_again
+        new = track_again(tracks, edit.frame, retrack, rig, px_per_unit)
+        exchange = partial(apply_edit, rig=rig, px_per_unit=px_per_unit)
+        new = exchange_again(tracks, new, exchanged, frame=edit.frame, exchange=exchange)
+        solver = partial(_PositionSolver, rig=rig, px_per_unit=px_per_unit)
+        new = hide_again(new, hidden, frame=edit.frame, solver=solver)
         return new if edit.stop is None else only_within(tracks, new, edit)
     if is_pose(tracks) and isinstance(edit, Swap | Interpolate | Hide | Delete):
         return edit_legs(tracks, edit)
@@ -189,19 +190,15 @@ def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: _PositionSolver) -> No
 
 
 def _poses_again(
-    tracks: Tracks, frame: int, retrack: Retracker | None, hidden: Iterable[Hide]
+    tracks: Tracks,
+    frame: int,
+    retrack: Retracker | None,
+    _rig: RigLike | None,
+    _px_per_unit: float | None,
 ) -> Tracks:
-    """Track poses again about a frame: the tracker itself keeps what a person posed.
-
-    Legs that were marked as not visible stay so.
-    """
+    """Track poses again about a frame: the tracker itself keeps what a person posed."""
     new = _tracker(retrack, frame)(copy_tracks(tracks), frame)
     check_editable(new)
-    later = [hide for hide in hidden if hide.frame in new["frame"]]
-    if later:
-        new = copy_tracks(new)
-        for hide in later:
-            hide_leg(new, rows_of_edit(new, hide), hide.point)
     return new
 
 
@@ -215,13 +212,12 @@ def _tracker(retrack: Retracker | None, frame: int) -> Retracker:
     return retrack
 
 
-def _retracked(
+def _points_again(
     tracks: Tracks,
     frame: int,
     retrack: Retracker | None,
     rig: RigLike | None,
     px_per_unit: float | None,
-    hidden: Iterable[Hide],
 ) -> Tracks:
     """Track again from a frame, then put back what a person had corrected from there on."""
     new = copy_tracks(_tracker(retrack, frame)(copy_tracks(tracks), frame))
@@ -232,7 +228,6 @@ def _retracked(
                 f"tracking again from frame {frame} gave other {name}s "
                 f"({', '.join(map(str, new[name].to_numpy()))}); the tracks stay as they were."
             )
-    later = [hide for hide in hidden if hide.frame >= frame and hide.frame in new["frame"]]
     kept = np.intersect1d(tracks["frame"], new["frame"], return_indices=True)
     rows_old, rows_new = (rows[kept[0] >= frame] for rows in kept[1:])
     edited = tracks["image_origin"].values[rows_old] == EDITED
@@ -248,11 +243,6 @@ def _retracked(
     solve = _PositionSolver(new, rig, px_per_unit)
     for point in np.flatnonzero(touched.any(axis=0)):
         solve(rows_new[touched[:, point]], [int(point)])
-    for hide in later:
-        clear(new, rows_of_edit(new, hide), hide.point, view=hide.view)
-    for name in dict.fromkeys(hide.point for hide in later):
-        rows = sorted({row_of(new, hide.frame) for hide in later if hide.point == name})
-        solve(np.array(rows), [place_of(new, "keypoint", name)])
     return new
 
 

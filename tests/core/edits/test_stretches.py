@@ -193,3 +193,13 @@ def test_who_puts_a_point_where_the_other_is_has_changed_their_mind(points):
             log.apply(Move(frame=6, view=view, point=point, u=u, v=v))
     log.apply(Retrack(frame=6))
     np.testing.assert_array_equal(log.tracks["image_position"], wand()["image_position"])
+
+
+def test_a_hidden_point_that_was_exchanged_stays_hidden_and_its_partner_in_its_place():
+    log = EditLog(wand(), rig=RIG, retrack=lambda _tracks, _frame: wand())
+    log.apply(Hide(frame=4, stop=7, view=None, point="P"))
+    log.apply(Swap(frame=4, stop=7, first="P", second="Q"))
+    before = log.tracks
+    log.apply(Retrack(frame=4))
+    for name in ("image_position", "image_origin", "position"):
+        np.testing.assert_allclose(log.tracks[name], before[name])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from walking_poses import uncertain_track, walking_poses
 
-from pawnb.core.edits.log import EditLog, Move, Pose, Retrack
+from pawnb.core.edits.log import EditLog, Move, Pose, Retrack, Swap
 from pawnb.core.pose.as_tracks import poses_of, tracks_from_poses
 from pawnb.core.pose.corrected import pose_values, posed_frames, put_pose
 from pawnb.core.pose.poses import tip_positions
@@ -83,3 +83,27 @@ def test_a_frame_without_the_animal_can_be_posed(tracks):
         values[3] = ORIGIN_CODE["missing"] if name.endswith("origin") else np.nan
     new = put_pose(missing, 8, pose_values(ANIMAL, walking_poses(ANIMAL, 1)))
     assert np.isfinite(poses_of(new).poses.xy[3]).all()
+
+
+def test_legs_exchanged_by_hand_stay_so_when_tracked_again(tracks, tmp_path):
+    path = tmp_path / "edits.jsonl"
+
+    def taken_back(_some, _frame):
+        """A tracker that finds the legs where it found them at first."""
+        return tracks.copy(deep=True)
+
+    log = EditLog(tracks, path, px_per_unit=2.4, retrack=taken_back)
+    log.apply(Swap(frame=8, first="L2", second="L3"))
+    exchanged = log.tracks
+    for frame in (8, 10, 6):
+        log.apply(Retrack(frame=frame))
+        for name in ("image_position", "joint_angle", "origin"):
+            np.testing.assert_allclose(log.tracks[name], exchanged[name], atol=1e-6)
+    assert (log.tracks["image_position"] != tracks["image_position"]).any()
+    again = EditLog(tracks, path, px_per_unit=2.4, retrack=taken_back)
+    np.testing.assert_allclose(again.tracks["joint_angle"], exchanged["joint_angle"], atol=1e-6)
+    # who poses a leg where the other was has changed their mind
+    as_found = poses_of(tracks).poses
+    log.apply(Pose(frame=9, pose=pose_values(ANIMAL, as_found.take([4]))))
+    log.apply(Retrack(frame=9))
+    np.testing.assert_allclose(log.tracks["image_position"], tracks["image_position"], atol=1e-6)
