@@ -10,7 +10,6 @@ from typing import Any
 import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
-from pawnb.schema import Tracks
 from pawnb.widgets.background_work import BackgroundWork
 from pawnb.widgets.calibration_form import CalibrationForm
 from pawnb.widgets.click_initialiser import ClickInitialiser
@@ -22,6 +21,7 @@ from pawnb.widgets.surroundings import Surroundings
 from pawnb.widgets.track_reviewer import TrackReviewer
 from pawnb.widgets.tracks_form import TracksForm, review_of_trial
 from pawnb.widgets.trial_form import TrialForm
+from pawnb.widgets.workbench_offers import Offers
 from pawnb.widgets.workbench_parts import ROW, Tool, cell, show_results, step_menu
 from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
 from pawnb.workflow.provenance.results import results_folder
@@ -229,7 +229,16 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             trial, frame=frame, max_height=self._room
         )
         go_on = self._button("Track", lambda: self._track_started(state), main=True)
-        return Tool(tool, [go_on])
+        return self._follow(state, Tool(tool, [go_on]))
+
+    def _follow(self, state: TrialState, tool: Tool) -> Tool:
+        """Let the list change as a tool finishes the start of a trial, or saves its tracks."""
+
+        def changed() -> None:
+            self.session.refresh_one(state.folder)
+            self._show_list(head=False)
+
+        return tool.follow(partial(self.session.marks, state), changed)
 
     def _calibrate(self, state: TrialState) -> Any:
         """Return the form that calibrates the views."""
@@ -245,7 +254,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         """Track the trial that was just started."""
         self.session.refresh()
         if "started" not in self.session.state(state.folder).done:
-            raise InputError("place the points first; nothing is started yet.")
+            raise InputError("the start is not complete: place every point, or save the pose.")
         self.do("track", state.folder)
 
     def _review(self, state: TrialState) -> Any:
@@ -253,23 +262,16 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         if state.films:
             then = partial(self._corrected, state)
             return review_of_trial(state, button=self._button, then=then, room=self._room)
-        trial, tracks = described(state), self.session.tracks(state)
+        trial = described(state)
         reviewer = PoseReviewer if trial.is_jointed else TrackReviewer
-        tool = reviewer(trial, tracks, max_height=self._room)
+        tool = reviewer(trial, self.session.tracks(state), max_height=self._room)
         self.session.has_looked(state)
         go_on = self._button("Save, and analyse the gait", lambda: self._reviewed(state), main=True)
-        return Tool(tool, [go_on, *self._to_mend(state, tracks)])
-
-    def _to_mend(self, state: TrialState, tracks: Tracks) -> list[Any]:
-        """Return buttons for what would make tracks better that are not good."""
-        buttons = []
-        if (part := self.session.frames_to_use(state, tracks)) is not None:
-            text = f"Animal is in view in frames {part[0]} to {part[1] - 1} only: track these"
-            buttons.append(self._button(text, lambda: self._use_frames(state, part)))
-        if (frame := self.session.frame_to_click(state, tracks)) is not None:
-            text = f"Click frame {frame} as well, and track again"
-            buttons.append(self._button(text, lambda: self._click_also(state, frame)))
-        return buttons
+        offers = Offers(
+            self.session, state, tool, button=self._button, chosen=lambda: self._tell(""),
+            use_frames=self._use_frames, click_also=self._click_also,
+        )  # fmt: skip
+        return self._follow(state, Tool(tool, [go_on, offers]))
 
     def _use_frames(self, state: TrialState, frames: tuple[int, int]) -> None:
         """Track a part of the recording only."""
@@ -291,9 +293,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
     def _reviewed(self, state: TrialState) -> None:
         """Save what was corrected, and go on to the gait."""
-        tool = self.tool.tool
-        if tool.corrected.corrections:
-            tool.corrected.save()
+        if (made := self.tool.tool.corrected).corrections:
+            made.save()
         self.do("gait", state.folder)
 
     def _corrected(self, state: TrialState, file: Path) -> None:
@@ -304,9 +305,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _results(self, state: TrialState) -> Any:
         """Return the results: figures to look through, and the explorer of strides."""
         strides = self._button("Look through the strides", lambda: self._strides(state))
-        said = self.session.notes(state)
-        said = [f"Tracks: {told}.", *said] if (told := self.session.quality(state)) else said
-        return Tool(show_results(self.session.figures(state), said), [strides])
+        figures, said = self.session.figures(state), self.session.remarks(state)
+        return Tool(show_results(figures, said), [strides])
 
     def _strides(self, state: TrialState) -> None:
         """Open the explorer of strides."""

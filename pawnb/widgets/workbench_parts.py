@@ -30,6 +30,32 @@ class Tool(widgets.VBox):  # type: ignore[misc]
         rows = [widgets.HBox(list(buttons), layout=ROW)] if buttons else []
         super().__init__([*rows, tool])
 
+    def follow(self, marks: Callable[[], object], changed: Callable[[], None]) -> Tool:
+        """Call ``changed()`` when ``marks()`` is another after the tool has said something.
+
+        Parameters
+        ----------
+        marks : callable
+            What is followed.
+        changed : callable
+            Called when it has changed.
+
+        Returns
+        -------
+        Tool
+            Itself.
+        """
+        seen = marks()
+
+        def look(_change: object) -> None:
+            nonlocal seen
+            if (now := marks()) != seen:
+                seen = now
+                changed()
+
+        self.tool.observe(look, names="status")
+        return self
+
     def close(self) -> None:
         """Take the tool away."""
         self.tool.close()

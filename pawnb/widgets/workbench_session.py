@@ -18,6 +18,7 @@ from pawnb.trial import Trial
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.gait.sources import recording_name
+from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
@@ -34,6 +35,7 @@ from pawnb.workflow.workbench.states import (
     Step,
     TrialState,
     find_states,
+    state_of,
     what_is_wrong,
 )
 from pawnb.workflow.workbench.used_frames import write_frames, write_tracks_file
@@ -79,6 +81,20 @@ class WorkbenchSession:
         """Look again how far each trial is."""
         self.states = find_states(self.folder)
         return self.states
+
+    def refresh_one(self, folder: Path) -> None:
+        """Look again how far the trial of a folder is, and no other."""
+        self.states = [state_of(s.folder) if s.folder == folder else s for s in self.states]
+
+    @staticmethod
+    def marks(state: TrialState) -> tuple[object, ...]:
+        """Return what changes as a tool finishes the start of a trial, or saves its tracks."""
+        trial = described(state)
+        if trial.is_tracked_elsewhere:
+            return ()
+        tracks = results_folder(trial) / "tracks.nc"
+        saved = tracks.stat().st_mtime_ns if tracks.exists() else None
+        return kind_of(trial).is_started(trial), saved
 
     def state(self, folder: Path) -> TrialState:
         """Return how far the trial of a folder is; raises InputError if there is none."""
@@ -250,6 +266,11 @@ class WorkbenchSession:
         """Return the verdict on the tracks of a trial, in words."""
         path = results_folder(described(state)) / "tracks.nc"
         return assess_quality(read_result_tracks(path)).line() if path.exists() else ""
+
+    def remarks(self, state: TrialState) -> list[str]:
+        """Return the verdict on the tracks of a trial, then what its analysis says of it."""
+        told = self.quality(state)
+        return [*([f"Tracks: {told}."] if told else []), *self.notes(state)]
 
     def notes(self, state: TrialState) -> list[str]:
         """Return what the analysis of a trial says of the trial as a whole, a line each."""

@@ -11,6 +11,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from pawnb.core.video import ViewSet
+from pawnb.errors import PawnbError
+from pawnb.io.start import read_start
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.checking.check_points import check_points_trial
@@ -96,6 +98,9 @@ class TrialKind(Protocol):
     def start_file(self, trial: Trial, /) -> str | None:
         """Return the csv of its start, where it has one."""
 
+    def is_started(self, trial: Trial, /) -> bool:
+        """Tell whether its start is complete, as far as that needs no picture."""
+
     def compare(self, trials: Sequence[Trial], *, corrections: bool, **asked: Any) -> Any:
         """Compare methods on trials with truth.
 
@@ -124,6 +129,17 @@ class PointTrials:
     check_start = staticmethod(check_points_trial)
     start_file = staticmethod(Trial.start_file)
 
+    def is_started(self, trial: Trial, /) -> bool:
+        """Tell whether every point is clicked in a view."""
+        file = trial.start_file()
+        if file is None:
+            return False
+        try:
+            read_start(trial.path(file), trial)
+        except (PawnbError, OSError):  # clicking goes on in it, or says what is wrong with it
+            return False
+        return True
+
     def compare(self, trials: Sequence[Trial], *, corrections: bool, **asked: Any) -> Any:
         """Compare methods as the 2019 paper does."""
         # draws figures: tracking does not wait for them to be loaded
@@ -140,6 +156,11 @@ class PoseTrials:
     propose = staticmethod(propose_pose_start)
     check_start = staticmethod(check_pose_trial)
     start_file = staticmethod(Trial.start_pose_file)
+
+    def is_started(self, trial: Trial, /) -> bool:
+        """Tell whether there is a start pose: it is saved as a whole."""
+        file = trial.start_pose_file()
+        return file is not None and trial.path(file).exists()
 
     def compare(self, trials: Sequence[Trial], *, corrections: bool, **asked: Any) -> Any:  # noqa: ARG002  (poses are not corrected one by one)
         """Compare the errors of methods."""

@@ -131,6 +131,77 @@ def test_the_canvas_shows_what_is_kept(bare):
     canvas.close()
 
 
+def test_the_list_follows_what_is_clicked_and_saved(described, opened):
+    def row():
+        cells = bench._list.children[0].children[8:]
+        return [cell.value for cell in cells[3:6]], cells[7].children[0].description
+
+    points = (described / "start.csv").read_text().splitlines()[1:]
+    (described / "start.csv").unlink()
+    bench = opened(described.parent)
+    bench.do("start", described)
+    clicking = bench.tool.tool
+    (go_on,) = bench.tool.children[0].children
+    for k, (_, view, point, u, v) in enumerate(line.split(",") for line in points):
+        assert row() == (["–", "–", "–"], "Click the start") or k > 1
+        message = {"frame": 0, "view": view, "point": point, "u": float(u), "v": float(v)}
+        clicking.edit("moved", message)
+        if k == 0:  # HR is in no view yet
+            go_on.click()
+            assert "the start is not complete" in said(bench)
+    assert row() == (["✓", "–", "–"], "Track")
+    for _ in points:
+        clicking.edit("action", {"frame": 0, "action": "undo"})
+    assert row() == (["–", "–", "–"], "Click the start")
+    for _ in points:
+        clicking.edit("action", {"frame": 0, "action": "redo"})
+    write_track_results(scene.true_tracks(), described / "results")
+    bench.do("review", described)
+    bench.look_again()
+    message = {"frame": 5, "view": "cam1", "point": "FR", "u": 9.0, "v": 9.0}
+    bench.tool.tool.edit("moved", message)
+    assert row() == (["✓", "✓", "–"], "Analyse the gait")
+    bench.tool.tool.edit("action", {"frame": 5, "action": "save"})
+    assert row() == (["✓", "✓", "✓"], "Analyse the gait")
+    bench.tool.tool._analysts.submit(int).result()  # its filters of warnings end with this test
+
+
+def test_the_frame_to_click_is_chosen_anew_when_the_trial_was_tracked_again(
+    described, opened, monkeypatch
+):
+    """What is tracked again comes from a stand-in that is sure from frame 20 on."""
+
+    def again(_trial, tracks, _frame, **_options):
+        new = tracks.copy(deep=True)
+        new["image_confidence"].values[20:] = 1.0
+        return new
+
+    monkeypatch.setattr("pawnb.widgets.retracking.workflow_retrack", again)
+    tracks = scene.true_tracks()
+    tracks["image_confidence"].values[15:] = 0.05
+    tracks["image_confidence"].values[:15] = 1.0
+    write_track_results(tracks, described / "results")
+    bench = opened(described.parent)
+    bench.do("review", described)
+    bench._tell("small: tracked 40 frames, look")
+    review, offers = bench.tool.tool, bench.tool.children[0].children[1]
+
+    def offered():
+        return [button.description for button in offers.children]
+
+    (at_first,) = offered()
+    assert "Click frame" in at_first
+    review.retrack(20)
+    review._worker.join()
+    frame = pawnb.suggest_frames(described, review.tracks, n=1)["frame"]
+    assert offered() == [f"Click frame {frame[0]} as well, and track again"] != [at_first]
+    assert said(bench) == ""  # the verdict of the tracks before
+    review.edit("action", {"frame": 20, "action": "undo"})
+    review._renew_lanes()
+    assert offered() == [at_first]
+    review._analysts.submit(int).result()  # its filters of warnings end with this test
+
+
 @pytest.mark.slow
 def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     bench = opened(described.parent)

@@ -127,7 +127,7 @@ def state_of(folder: str | Path) -> TrialState:
     for view in trial.views:
         if not any(mark in view.video for mark in "*?[") and not trial.path(view.video).exists():
             wrong = f"{trial.path(view.video)}: no such video."
-    if _has_start(trial):
+    if trial.is_tracked_elsewhere or kind_of(trial).is_started(trial):
         done.add("started")
     results = results_folder(trial)
     if not wrong and not trial.is_tracked_elsewhere and (why := failure_of(results)):
@@ -210,14 +210,6 @@ def what_is_wrong(state: TrialState) -> list[str]:
         return [state.wrong]
     report = check_trial(state.trial)
     return [*report.faults, *report.doubts]
-
-
-def _has_start(trial: Trial) -> bool:
-    """Whether there is a start, or none is needed."""
-    if trial.is_tracked_elsewhere:
-        return True
-    start = kind_of(trial).start_file(trial)
-    return start is not None and trial.path(start).exists()
 
 
 def _is_corrected(trial: Trial) -> bool:

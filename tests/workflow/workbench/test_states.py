@@ -35,6 +35,12 @@ def folder(tmp_path):
     return tmp_path / "b"
 
 
+def click(folder, points=scene.POINTS):
+    """Write a start with these points of each view clicked."""
+    rows = [f"0,{view},{point},9,9\n" for view, own in points.items() for point in own]
+    (folder / "start.csv").write_text("frame,view,point,u,v\n" + "".join(rows))
+
+
 def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
     def seen():
         state = state_of(folder)
@@ -42,7 +48,9 @@ def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
 
     assert state_of(folder).done == {"described", "calibrated"}
     assert seen() == (set(), "start")
-    (folder / "start.csv").write_text("frame,view,point,u,v\n")
+    click(folder, {"cam1": ["FR"]})  # half done: there is more to click
+    assert seen() == (set(), "start")
+    click(folder)
     assert seen() == ({"started"}, "track")
     results = folder / "results"
     results.mkdir()
@@ -60,7 +68,7 @@ def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
 
 
 def test_corrections_that_are_not_saved_are_said_and_come_next(folder):
-    (folder / "start.csv").write_text("frame,view,point,u,v\n")
+    click(folder)
     results = folder / "results"
     results.mkdir()
     write_tracks(scene.true_tracks(), results / "tracks.nc")
