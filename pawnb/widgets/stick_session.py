@@ -93,6 +93,7 @@ class StickSession(Draft[StickState]):
         self.leg = species.leg_names[0]
         self.notes: tuple[str, ...] = ()
         self._state = self._begin(frame)
+        self.saved = self._state.origin == "person"  # as its file has it
         self.frame = self._state.frame
         if frame is not None:
             StickSession.go(self, frame)

@@ -254,7 +254,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         """Track the trial that was just started."""
         self.session.refresh()
         if "started" not in self.session.state(state.folder).done:
-            raise InputError("the start is not complete: place every point, or save the pose.")
+            raise InputError("the start is not complete: click every point, or pose the animal.")
         self.do("track", state.folder)
 
     def _review(self, state: TrialState) -> Any:

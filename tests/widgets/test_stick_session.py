@@ -202,6 +202,7 @@ def test_raised_segments_keep_their_length_in_the_picture_through_the_file(sessi
     assert session.path.read_text() != before
     assert not session.proposed
     again = StickSession(session.trial, SPECIES, size=(640, 512), span=(0, 99))
+    assert again.saved  # it is in its file
     np.testing.assert_allclose(again.poses().lengths_px, poses.lengths_px, rtol=1e-4)
     # the animal's own lengths are as they were: the leg is raised, not short
     np.testing.assert_allclose(again.animal().lengths, SPECIES.lengths)
