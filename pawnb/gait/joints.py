@@ -11,6 +11,7 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
+from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.schema import Tracks, check_columns
 from pawnb.signals import find_runs, smooth_spline
 from pawnb.signals.splines import LEAST_SAMPLES
@@ -74,6 +75,7 @@ def get_joint_angles(
                 "joint angles: these tracks have no joint_angle; expected those of a jointed "
                 "animal (kind 'pose')."
             )
+        pose, _ = seen_part(pose)  # extremes are of the animal, not of where it comes or goes
         values = pose["joint_angle"].transpose("individual", "time", "joint")
         tables = {
             str(name): pd.DataFrame(values[i].to_numpy(), columns=pose["joint"].to_numpy())

@@ -33,6 +33,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
 )
 from pawnb.gait.locomotion.grid import Grid, put_on_grid
 from pawnb.gait.locomotion.pose_body import pose_body
+from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.io.belt import read_belt_speed
 from pawnb.schema import Tracks, absent_frames, build_settings, check_columns, check_tracks
@@ -128,9 +129,10 @@ def analyse(
             stacklevel=2,
         )
     named = choose_legs(tracks, trial=trial, legs=legs, where=where)
+    tracks, unseen = seen_part(tracks)
     grid, dense = put_on_grid(tracks, where=where)
     belt = _belt_on_grid(belt_speed, trial, grid)
-    lost = _lost_frames(tracks, grid)
+    lost = [*unseen, *_lost_frames(tracks, grid)]
     individuals = [str(i) for i in tracks["individual"].to_numpy()]
     parts = []
     for individual in individuals:

@@ -1,0 +1,75 @@
+"""Where an animal comes into the picture, legs that nobody saw make no steps."""
+
+import numpy as np
+import pytest
+
+from pawnb import gait
+from pawnb.core.pose.as_tracks import tracks_from_poses
+from pawnb.core.pose.pose_table import read_start_pose
+from pawnb.core.pose.species_file import load_species
+from pawnb.core.pose.track_result import plain_track
+from pawnb.gait.joints import get_joint_angles, joint_range_table
+from pawnb.gait.locomotion.seen_part import seen_part
+from pawnb.schema import ORIGIN_CODE
+from pawnb.synthetic import render_spider_trial, spider_trial
+from pawnb.trial import load_trial
+
+N_UNSEEN = 7
+
+
+@pytest.fixture(scope="module")
+def entering(tmp_path_factory):
+    """True poses of a spider, the first seven as tracked where three legs only are in view.
+
+    Gives trial, true tracks, and those in which the other legs are swung about, as was seen.
+    """
+    folder = tmp_path_factory.mktemp("run")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(spider_trial, "render_video", lambda path, *_, **__: path.touch())
+        render_spider_trial(folder, frames=110, scale=0.1, seed=1)
+    animal, poses = read_start_pose(folder / "truth" / "pose.csv", load_species("dolomedes"))
+    true = tracks_from_poses(
+        animal, plain_track(animal, poses), fps=125, view="top", px_per_unit=0.484, unit="mm"
+    )
+    poses.angles_deg[:N_UNSEEN] += np.linspace(160.0, 0.0, N_UNSEEN)[:, None]
+    origin = np.full((len(poses), 8), ORIGIN_CODE["measured"], dtype=np.int8)
+    origin[:N_UNSEEN, 3:] = ORIGIN_CODE["predicted"]
+    track = plain_track(animal, poses, origin=origin)
+    tracks = tracks_from_poses(animal, track, fps=125, view="top", px_per_unit=0.484, unit="mm")
+    return load_trial(folder), true, tracks
+
+
+def test_where_few_legs_are_seen_nothing_steps(entering):
+    trial, true, tracks = entering
+    expected = gait.analyse(true.isel(time=slice(N_UNSEEN, None)), trial=trial)
+    found = gait.analyse(tracks, trial=trial)
+    assert found.events["frame"].tolist() == pytest.approx(expected.events["frame"].tolist())
+    left_out = found.dropped[found.dropped["what"] == "frames"]
+    assert left_out["why"].tolist() == ["fewer than half of the legs are seen"]
+    times = tracks["time"].to_numpy()[[0, N_UNSEEN - 1]]
+    assert left_out[["start_s", "end_s"]].to_numpy().tolist() == [times.tolist()]
+
+
+def test_greatest_joint_angles_are_of_the_animal_in_view(entering):
+    _, true, tracks = entering
+    tables = [
+        joint_range_table(get_joint_angles(some))
+        for some in (true.isel(time=slice(N_UNSEEN, None)), tracks)
+    ]
+    np.testing.assert_allclose(tables[1]["max_mean_deg"], tables[0]["max_mean_deg"])
+
+
+def test_legs_hidden_in_between_and_poses_by_hand_stay(entering):
+    _, _, tracks = entering
+    part, dropped = seen_part(tracks)
+    assert int(part["frame"][0]) == int(tracks["frame"][N_UNSEEN])
+    assert len(dropped) == 1
+    hidden = part.copy(deep=True)
+    hidden["origin"].values[10:20] = ORIGIN_CODE["predicted"]
+    assert seen_part(hidden)[0].sizes["time"] == part.sizes["time"]
+    posed = tracks.copy(deep=True)
+    posed["origin"].values[2] = ORIGIN_CODE["edited"]
+    assert int(seen_part(posed)[0]["frame"][0]) == int(tracks["frame"][2])
+    nothing = tracks.copy(deep=True)
+    nothing["origin"].values[:] = ORIGIN_CODE["predicted"]
+    assert seen_part(nothing)[0].sizes["time"] == tracks.sizes["time"]
