@@ -23,6 +23,7 @@ from pawnb.files.reading import (
     read_toml,
 )
 from pawnb.files.whole import (
+    is_copy,
     is_leftover,
     keep_copy,
     remove_leftovers,
@@ -40,6 +41,7 @@ __all__ = [
     "check_file",
     "child_folder",
     "distinct_name",
+    "is_copy",
     "is_leftover",
     "keep_copy",
     "locked",

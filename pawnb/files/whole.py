@@ -110,6 +110,12 @@ def keep_copy(path: Path, word: str) -> Path:
     return copy if copy.exists() else write_whole(copy, data)
 
 
+def is_copy(path: Path, word: str) -> bool:
+    """Tell whether a file is called as a copy that :func:`keep_copy` has made with that word."""
+    _, _, last = path.stem.rpartition(".")
+    return last.partition("-")[0] == word and last != path.stem
+
+
 def write_new(path: str | Path, data: bytes) -> Path:
     """Write a file that must not be there yet.
 

@@ -11,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
+from pawnb.files import is_copy
 from pawnb.gait import GaitTables, analyse
 from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
@@ -136,6 +137,8 @@ class WorkbenchSession:
         found = []
         for path in sorted(self.folder.iterdir()):
             if path.suffix not in _TRACK_ENDINGS or path.name == "start.csv":
+                continue
+            if is_copy(path, "before"):  # clicks as they were before they were changed
                 continue
             if path.resolve() in taken:
                 continue

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.files import keep_copy, remove_leftovers, whole_file, write_whole
+from pawnb.files import is_copy, keep_copy, remove_leftovers, whole_file, write_whole
 
 # a subprocess that may write files of 1000 bytes only: the limit stands for a full disk
 _SMALL_DISK = """
@@ -104,6 +104,8 @@ def test_copies_are_never_written_over(tmp_path):
         "start.before-2.csv", "start.before-3.csv", "start.before.csv", "start.csv",
     ]  # fmt: skip
     assert (tmp_path / "start.before.csv").read_text() == "one"
+    called = {name: is_copy(tmp_path / name, "before") for name in [*names(tmp_path), "before.csv"]}
+    assert [name for name, so in called.items() if not so] == ["start.csv", "before.csv"]
 
 
 def test_leftovers_of_a_killed_process_are_told_and_removed(tmp_path):

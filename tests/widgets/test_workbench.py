@@ -155,6 +155,12 @@ def test_the_list_follows_what_is_clicked_and_saved(described, opened):
     assert row() == (["–", "–", "–"], "Click the start")
     for _ in points:
         clicking.edit("action", {"frame": 0, "action": "redo"})
+    bench.do("start", described)
+    bench.tool.tool.edit("moved", message | {"u": 9.0})  # a copy of the start is kept
+    assert sorted(described.glob("start*")) == [
+        described / "start.before.csv", described / "start.csv",
+    ]  # fmt: skip
+    assert WorkbenchSession(described).track_files() == []
     write_track_results(scene.true_tracks(), described / "results")
     bench.do("review", described)
     bench.look_again()
