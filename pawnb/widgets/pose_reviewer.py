@@ -186,9 +186,10 @@ class PoseReviewer(StickPoser, Comparing):
             begin = next((frame for frame in sorted(posed) if first <= frame < stop), first)
             self.retrack(begin, stretch=stretch)
             return None
-        made = self.corrected
+        made, settled = self.corrected, [point]
         if action == "swap":
             other = str(message["other"])
+            settled.append(other)
             if not message.get("stretch"):
                 stop = made.next_crossing(first, point, other)
             said = made.swap(first, point, other, stop=stop)
@@ -201,7 +202,8 @@ class PoseReviewer(StickPoser, Comparing):
         else:
             raise InputError(f"{action} is nothing that can be done to a stretch.")
         self._tracked_again()
-        self._doubt_no_more(first, point, stop=stop)
+        for leg in settled:
+            self._doubt_no_more(first, leg, stop=stop)
         self._show_state(f"{said[:1].upper()}{said[1:]}.")
         return None
 

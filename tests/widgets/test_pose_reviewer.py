@@ -216,6 +216,15 @@ def test_legs_are_exchanged_interpolated_and_hidden_over_a_stretch(reviewer, tra
         stretch(reviewer, "delete", "L9", 12, 13)
 
 
+def test_both_legs_that_were_exchanged_are_doubtful_no_more(reviewer, monkeypatch):
+    rows = [[frame, "top", leg, "a", 1.0] for frame in (15, 18) for leg in ("L2", "R2", "L3")]
+    table = pd.DataFrame(rows, columns=["frame", "view", "point", "reason", "score"])
+    monkeypatch.setattr(reviewer.session, "suspects", lambda: table)
+    stretch(reviewer, "swap", "L2", 14, 16, other="R2")
+    left = reviewer._doubtful[["frame", "point"]].to_numpy().tolist()
+    assert left == [[15, "L3"], [18, "L2"], [18, "R2"], [18, "L3"]]
+
+
 def test_poses_are_compared_with_those_before_the_corrections(rendered_spider, tracks, tmp_path):
     widget = PoseReviewer(
         rendered_spider, tracks, edits=tmp_path / "edits.jsonl", against="before", frame=17
