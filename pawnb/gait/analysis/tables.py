@@ -322,7 +322,7 @@ def build_tables(
 
 
 def say_no_strides(tables: GaitTables) -> list[Note]:
-    """Say of each trial without a stride what was found and what is needed.
+    """Say of each trial which legs have no stride, what was found of them and what is needed.
 
     Parameters
     ----------
@@ -332,27 +332,46 @@ def say_no_strides(tables: GaitTables) -> list[Note]:
     Returns
     -------
     list of Note
-        One sentence for each trial that has no stride.
+        One sentence for each trial in which a leg has no stride; animals of one trial share it
+        where it is the same.
     """
-    said = []
+    said: dict[tuple[str, str], list[str]] = {}
     for basis in tables.bases:
-        if len(_of_trial(tables.strides, basis.who)):
-            continue
-        events = _of_trial(tables.events, basis.who)
-        start = choose_stride_event(events, tables.settings.stride_events)
-        counts = events.loc[events["event"] == start, "leg"].value_counts()
-        legs = sort_legs(events["leg"]) if basis.legs is None else basis.legs
-        found = ", ".join(f"{counts.get(leg, 0)} of {leg}" for leg in legs)
-        dropped = (_of_trial(tables.dropped, basis.who)["what"] == "stride").sum()
-        if dropped:
-            found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
-        what = (
-            f"no stride, for one runs from {start} to {start} of the same leg, with one "
-            f"{PARTNER[start]} between; found {start}: {found}; a longer recording is needed, or "
-            "other settings of the event detection."
-        )
-        said.append(Note(what, where=basis.who["trial"]))
-    return said
+        what = _on_legs_without_strides(tables, basis)
+        if what:
+            said.setdefault((basis.who["trial"], what), []).append(basis.who["animal"])
+    animals_of = tables.events.groupby("trial", sort=False)["animal"].nunique()
+    return [
+        Note(f"{', '.join(who)}: {what}" if animals_of.get(trial, 1) > 1 else what, where=trial)
+        for (trial, what), who in said.items()
+    ]
+
+
+def _on_legs_without_strides(tables: GaitTables, basis: TrialBasis) -> str:
+    """Say which legs of one animal and trial have no stride; empty where all have one."""
+    events = _of_trial(tables.events, basis.who)
+    legs = sort_legs(events["leg"]) if basis.legs is None else list(basis.legs)
+    with_strides = set(_of_trial(tables.strides, basis.who)["leg"])
+    without = [leg for leg in legs if leg not in with_strides]
+    if legs and not without:
+        return ""
+    start = choose_stride_event(events, tables.settings.stride_events)
+    counts = events.loc[events["event"] == start, "leg"].value_counts()
+    left_out = _of_trial(tables.dropped, basis.who)
+    unseen = set(left_out.loc[left_out["what"] == "leg", "leg"])
+    found = ", ".join(
+        f"{counts.get(leg, 0)} of {leg}{' (no position in any frame)' * (leg in unseen)}"
+        for leg in without
+    )
+    dropped = ((left_out["what"] == "stride") & left_out["leg"].isin(without)).sum()
+    if dropped:
+        found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
+    which = f"no stride of {', '.join(without)}" if with_strides else "no stride"
+    return (
+        f"{which}, for one runs from {start} to {start} of the same leg, with one "
+        f"{PARTNER[start]} between; found {start}: {found}; a longer recording is needed, or "
+        "other settings of the event detection."
+    )
 
 
 def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
