@@ -16,7 +16,7 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.gait.analysis.feet_apart import say_on_one_place
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body, overlooked_points
 from pawnb.gait.analysis.notes import Note
-from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
+from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool, say_whose_notes
 from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.events.contacts import unscored_gaps
 from pawnb.gait.events.debounce import drop_short_states
@@ -145,7 +145,15 @@ def analyse(
                 who={"animal": animal, "trial": trial.name if trial is not None else "trial"},
             )
         )  # fmt: skip
-    tables = pool(parts)
+    if not any(basis.motion for part in parts for basis in part.bases):
+        least = least_confidence(dense, settings.min_confidence)
+        raise InputError(
+            f"animal {parts[0].bases[0].who['animal']!r}: none of the legs {', '.join(named)} has "
+            "a position in any frame"
+            + (f" (those with a confidence below {least:g} do not count)" if least > 0.0 else "")
+            + "; track it first, or lower min_confidence (--set min_confidence=...)."
+        )
+    tables = pool(say_whose_notes(parts))
     told = legs is not None or (trial is not None and trial.tracks_legs)
     if told:
         return tables
@@ -312,11 +320,6 @@ def _analyse_one(
     least = least_confidence(dense, settings.min_confidence)
     spaces = get_foot_paths(dense, legs, individual=individual, min_confidence=least)
     seen = [leg for space in spaces for leg in space.legs]
-    if not seen:
-        raise InputError(
-            f"animal {who['animal']!r}: none of the legs {', '.join(legs)} has a position in any "
-            "frame; track it first, or lower min_confidence."
-        )
     events: list[dict[str, Any]] = []
     gaps: list[dict[str, Any]] = []
     dropped = [*(dict(row) for row in lost), *_never_seen(legs, seen, grid)]
@@ -346,7 +349,7 @@ def _analyse_one(
         _in_order(table, list(legs)), who, pairs=pairs, settings=settings, motion=motion,
         gaps=pd.DataFrame(gaps, columns=list(_GAP_COLUMNS)), legs=list(legs),
         dropped=dropped_table(dropped, who), notes=notes, signals=signals,
-        body_length=_body_length(dense, trial, spaces[0].unit),
+        body_length=_body_length(dense, trial, spaces[0].unit) if spaces else None,
     )  # fmt: skip
 
 

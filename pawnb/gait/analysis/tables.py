@@ -17,7 +17,6 @@ from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.phases.phase_table import build_phases, summarise_phases
 from pawnb.gait.strides.stride_table import (
-    PARTNER,
     TRIAL_KEYS,
     Motion,
     build_strides,
@@ -208,8 +207,8 @@ def rebuild_tables(
         if trials is not None and (basis.who["animal"], basis.who["trial"]) not in trials:
             parts.append(_part_of(tables, basis))
             continue
-        own = _of_trial(events, basis.who).reset_index(drop=True)
-        without = None if excluded is None else _of_trial(excluded, basis.who)
+        own = of_trial(events, basis.who).reset_index(drop=True)
+        without = None if excluded is None else of_trial(excluded, basis.who)
         parts.append(build_tables(own, excluded=without, **vars(basis)))
     pooled = pool(parts, settings=tables.settings)
     return replace(pooled, notes=tables.notes, bases=tables.bases)
@@ -218,18 +217,31 @@ def rebuild_tables(
 def _part_of(tables: GaitTables, basis: TrialBasis) -> GaitTables:
     """Return the tables of one animal and trial as they are; :func:`pool` sums up phases."""
     return GaitTables(
-        events=_of_trial(tables.events, basis.who),
-        strides=_of_trial(tables.strides, basis.who),
-        phases=_of_trial(tables.phases, basis.who),
+        events=of_trial(tables.events, basis.who),
+        strides=of_trial(tables.strides, basis.who),
+        phases=of_trial(tables.phases, basis.who),
         phase_summary=tables.phase_summary.head(0),
-        dropped=_of_trial(tables.dropped, basis.who),
+        dropped=of_trial(tables.dropped, basis.who),
         settings=tables.settings,
         signals=tuple(basis.signals),
     )
 
 
-def _of_trial(table: pd.DataFrame, who: Mapping[str, str]) -> pd.DataFrame:
-    """Return the rows of one animal and trial."""
+def of_trial(table: pd.DataFrame, who: Mapping[str, str]) -> pd.DataFrame:
+    """Return the rows of one animal and trial.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        A table of gait.
+    who : mapping
+        ``animal`` and ``trial``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Its rows.
+    """
     return table[(table["animal"] == who["animal"]) & (table["trial"] == who["trial"])]
 
 
@@ -321,57 +333,31 @@ def build_tables(
     )  # fmt: skip
 
 
-def say_no_strides(tables: GaitTables) -> list[Note]:
-    """Say of each trial which legs have no stride, what was found of them and what is needed.
+def say_whose_notes(parts: Sequence[GaitTables]) -> list[GaitTables]:
+    """Say of each note, of several animals in one recording, whose it is, unless it is of all.
 
     Parameters
     ----------
-    tables : GaitTables
-        The result of an analysis.
+    parts : sequence of GaitTables
+        The analysis of each animal.
 
     Returns
     -------
-    list of Note
-        One sentence for each trial in which a leg has no stride; animals of one trial share it
-        where it is the same.
+    list of GaitTables
+        The same, with the animal before the words of its own notes.
     """
-    said: dict[tuple[str, str], list[str]] = {}
-    for basis in tables.bases:
-        what = _on_legs_without_strides(tables, basis)
-        if what:
-            said.setdefault((basis.who["trial"], what), []).append(basis.who["animal"])
-    animals_of = tables.events.groupby("trial", sort=False)["animal"].nunique()
-    return [
-        Note(f"{', '.join(who)}: {what}" if animals_of.get(trial, 1) > 1 else what, where=trial)
-        for (trial, what), who in said.items()
-    ]
-
-
-def _on_legs_without_strides(tables: GaitTables, basis: TrialBasis) -> str:
-    """Say which legs of one animal and trial have no stride; empty where all have one."""
-    events = _of_trial(tables.events, basis.who)
-    legs = sort_legs(events["leg"]) if basis.legs is None else list(basis.legs)
-    with_strides = set(_of_trial(tables.strides, basis.who)["leg"])
-    without = [leg for leg in legs if leg not in with_strides]
-    if legs and not without:
-        return ""
-    start = choose_stride_event(events, tables.settings.stride_events)
-    counts = events.loc[events["event"] == start, "leg"].value_counts()
-    left_out = _of_trial(tables.dropped, basis.who)
-    unseen = set(left_out.loc[left_out["what"] == "leg", "leg"])
-    found = ", ".join(
-        f"{counts.get(leg, 0)} of {leg}{' (no position in any frame)' * (leg in unseen)}"
-        for leg in without
-    )
-    dropped = ((left_out["what"] == "stride") & left_out["leg"].isin(without)).sum()
-    if dropped:
-        found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
-    which = f"no stride of {', '.join(without)}" if with_strides else "no stride"
-    return (
-        f"{which}, for one runs from {start} to {start} of the same leg, with one "
-        f"{PARTNER[start]} between; found {start}: {found}; a longer recording is needed, or "
-        "other settings of the event detection."
-    )
+    shared = set.intersection(*(set(part.notes) for part in parts))
+    told = []
+    for part in parts:
+        who = part.bases[0].who
+        notes = (
+            note
+            if note in shared
+            else Note(f"{who['animal']}: {Note(note).what}", where=who["trial"])
+            for note in part.notes
+        )
+        told.append(replace(part, notes=tuple(notes)))
+    return told
 
 
 def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:

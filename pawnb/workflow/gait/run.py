@@ -13,8 +13,8 @@ import pandas as pd
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import EventSettings, GaitTables
+from pawnb.gait.analysis.missing_strides import say_no_strides
 from pawnb.gait.analysis.notes import alike_in_one
-from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE

@@ -14,7 +14,6 @@ from walking import Walk
 
 from pawnb.errors import InputError, InputWarning
 from pawnb.gait import EventSettings, analyse, analyse_events, pool
-from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.schema import (
     DROPPED_COLUMNS,
     EVENTS_COLUMNS,
@@ -509,49 +508,19 @@ def test_a_table_of_belt_speed_that_is_none_is_said(tmp_path):
         analyse(Walk().tracks(), trial=trial)
 
 
-def test_a_trial_without_a_stride_says_what_was_found_and_what_is_needed():
-    rows = [("FR", "TD", 0.01), ("FR", "LO", 0.09), ("HR", "LO", 0.02), ("HR", "TD", 0.06)]
-    short = pd.DataFrame(rows, columns=["leg", "event", "time_s"])
-    (said,) = say_no_strides(analyse_events(short.assign(animal="m", trial="short")))
-    assert said == (
-        "short: no stride, for one runs from TD to TD of the same leg, with one LO between; found "
-        "TD: 1 of FR, 1 of HR; a longer recording is needed, or other settings of the event "
-        "detection."
-    )
-    again = pd.DataFrame(
-        [*rows, ("FR", "TD", 0.12), ("HR", "LO", 0.11), ("HR", "TD", 0.16)], columns=short.columns
-    )
-    assert say_no_strides(analyse_events(again.assign(animal="m", trial="long"))) == []
-    both = pool(
-        [analyse_events(t.assign(animal="m", trial=n)) for n, t in (("a", short), ("b", again))]
-    )
-    assert [text.split(":")[0] for text in say_no_strides(both)] == ["a"]
-    no_lift_off = again[again["event"] == "TD"]
-    (said,) = say_no_strides(analyse_events(no_lift_off.assign(animal="m", trial="t")))
-    assert "found TD: 2 of FR, 2 of HR (2 from TD to TD dropped: see dropped.csv); a longer" in said
-
-
-def test_a_leg_without_a_stride_is_said_where_others_have_some():
-    rows = [("FR", "TD", 0.01), ("FR", "LO", 0.09), ("FR", "TD", 0.12), ("HR", "TD", 0.06)]
-    scored = pd.DataFrame(rows, columns=["leg", "event", "time_s"]).assign(animal="m", trial="t")
-    (said,) = say_no_strides(analyse_events(scored))
-    assert said.startswith("t: no stride of HR, for one runs from TD to TD")
-    assert "found TD: 1 of HR; a longer recording" in said
-    # of two animals in one trial it says whose, once where it is the same of both
-    both = pd.concat([scored, scored.assign(animal="n")])
-    assert [text[:24] for text in say_no_strides(analyse_events(both))] == [
-        "t: m, n: no stride of HR"
-    ]
-    other = pd.concat([scored[scored["leg"] == "FR"], scored.assign(animal="n")])
-    (said,) = say_no_strides(analyse_events(other))
-    assert said.startswith("t: n: no stride of HR, for")
-
-
-def test_a_leg_without_a_stride_that_was_never_seen_is_said_so():
+def test_a_note_on_one_of_several_animals_says_whose_it_is():
     tracks = Walk().tracks(treadmill=True)
-    tracks["position"].loc[{"keypoint": "HL"}] = np.nan
-    (said,) = say_no_strides(analyse(tracks, belt_speed=300.0))
-    assert "no stride of HL" in said and "found AEP: 0 of HL (no position in any frame)" in said
+    short = tracks.copy(deep=True).assign_coords(individual=["brief"])
+    short["position"].data[5:] = np.nan
+    both = xr.concat([tracks, short], dim="individual", combine_attrs="override")
+    (slow,) = [note for note in analyse(both, belt_speed=300.0).notes if "no stride freq" in note]
+    assert slow.startswith("trial: brief: FR, HR, FL, HL (position): no stride frequency found")
+    alike = xr.concat(
+        [tracks, tracks.assign_coords(individual=["twin"])],
+        dim="individual",
+        combine_attrs="override",
+    )
+    assert analyse(alike, belt_speed=300.0).notes == analyse(tracks, belt_speed=300.0).notes
 
 
 def test_what_is_shown_of_the_tables_is_short_however_many_there_are():
