@@ -105,7 +105,8 @@ TABLE: tuple[Format, ...] = (
     ),
     Format(
         name="movement", title="movement netCDF", endings=(".nc",), holds="view or space",
-        says_fps=True, read=native.read_tracks, write=write_movement, writes_with=_VIEW,
+        says_fps=True, read=native.read_tracks, reads_with=_UNIT, write=write_movement,
+        writes_with=_VIEW,
     ),
     Format(
         name="deeplabcut", title="DeepLabCut", endings=(".csv", ".h5"), names=("DLC",),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 import json
+import warnings
 from pathlib import Path
 from typing import Literal
 
@@ -18,7 +19,7 @@ import xarray as xr
 from xarray.backends import H5NetCDFStore
 
 from pawnb.arrays import FloatArray, IntArray
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.files import write_whole
 from pawnb.io.outgoing import take_space, take_view, views_of
 from pawnb.io.points import check_finite, check_names, plain_name
@@ -183,17 +184,25 @@ def netcdf_bytes(dataset: xr.Dataset) -> bytes:
 
 
 def from_movement(
-    dataset: xr.Dataset, *, fps: float | None = None, where: str = "this dataset"
+    dataset: xr.Dataset,
+    *,
+    fps: float | None = None,
+    unit: str | None = None,
+    where: str = "this dataset",
 ) -> Tracks:
     """Make Tracks from a poses dataset of movement, whatever its loader.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        ``position`` with dimensions time, space, keypoint(s), individual(s), and for several
-        views also view; ``confidence`` where there is one.
+        ``position`` with dimensions time, space, keypoint(s), individual(s) (which may lack, as
+        where one was selected), and for several views also view; ``confidence`` where there is
+        one.
     fps : float, optional
         Frames per second, for a dataset that does not say (its time counts frames then).
+    unit : str, optional
+        Unit of length of positions in space; default as the dataset says, which movement's own
+        do not: mm then.
     where : str
         How messages name the dataset, for instance the file.
 
@@ -208,8 +217,13 @@ def from_movement(
     Raises
     ------
     InputError
-        If it holds no poses, has no frame rate, or its times fall between frames or do not
-        rise.
+        If it holds no poses, has no frame rate, or its times fall between frames, do not
+        rise, or are neither seconds nor frames.
+
+    Warns
+    -----
+    InputWarning
+        If positions in space have no unit.
 
     Examples
     --------
@@ -219,6 +233,7 @@ def from_movement(
     """
     names = {name: new for name, new in _SINGULAR.items() if name in dataset.dims}
     dataset = dataset.rename(names)
+    dataset = _in_our_order(dataset)
     needed = {"time", "space", "keypoint", "individual"}
     if dataset.attrs.get("ds_type", "poses") != "poses" or "position" not in dataset:
         raise InputError(
@@ -248,7 +263,7 @@ def from_movement(
         views=views,
         space=("x", "y", "z") if views else space,
         source_software=str(dataset.attrs.get("source_software") or "movement"),
-        unit=str(dataset.attrs.get("units") or "px"),
+        unit="px" if views else _unit(dataset, unit, where),
     )
     if len(animals) != 1:
         tracks = tracks.isel(individual=np.zeros(len(animals), dtype=int)).copy(deep=True)
@@ -287,6 +302,39 @@ def _enter(tracks: Tracks, dataset: xr.Dataset, rows: IntArray, where: str) -> N
     )
 
 
+def _in_our_order(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with an animal, where one was selected, and coordinates in order."""
+    if "position" not in dataset:
+        return dataset
+    if "individual" not in dataset["position"].dims:
+        own = dataset.coords.get("individual", dataset.coords.get("individuals"))
+        name = "animal" if own is None or own.ndim else str(own.item())
+        dataset = dataset.drop_vars(["individual", "individuals"], errors="ignore")
+        dataset = dataset.expand_dims(individual=[name])
+    if "space" in dataset.coords:
+        space = [str(s).lower() for s in dataset["space"].to_numpy()]
+        if sorted(space) in (["x", "y"], ["x", "y", "z"]):
+            dataset = dataset.assign_coords(space=space).sel(space=sorted(space))
+    return dataset
+
+
+def _unit(dataset: xr.Dataset, given: str | None, where: str) -> str:
+    """Return the unit of positions: px in a picture; in space as given, or as the dataset says."""
+    said = str(dataset.attrs.get("units") or "")
+    if dataset.sizes["space"] == 2:
+        return said or "px"
+    if not (given or said):
+        warnings.warn(
+            f"{where}: positions in space without a unit, as movement stores none: lengths are "
+            "taken to be in mm. Where they are in another, name the file in a trial.toml of kind "
+            "'tracks' with its unit below [calibration] (unit = \"m\"), or give unit to "
+            "load_tracks.",
+            InputWarning,
+            stacklevel=2,
+        )
+    return given or said or "mm"
+
+
 def _frame_rate(dataset: xr.Dataset, fps: float | None, where: str) -> float:
     """Return the frame rate, from the caller or the dataset."""
     stored = dataset.attrs.get("fps")
@@ -297,7 +345,8 @@ def _frame_rate(dataset: xr.Dataset, fps: float | None, where: str) -> float:
         rate = None
     if rate is None or not 0 < rate < np.inf:
         raise InputError(
-            f"{where}: no frame rate; give fps, the frames per second of the recording."
+            f"{where}: no frame rate; give fps, the frames per second of the recording (--fps on "
+            "the command line)."
         )
     return rate
 
@@ -307,7 +356,15 @@ def _frames(dataset: xr.Dataset, fps: float, where: str) -> FloatArray:
     if "time" not in dataset.coords or dataset["time"].dtype.kind not in "iuf":
         raise InputError(f"{where}: times are no numbers; expected seconds, or frames.")
     time = np.asarray(dataset["time"].to_numpy(), dtype=float)
-    exact = time if dataset.attrs.get("time_unit") == "frames" else time * fps
+    # attributes are lost in many a step of xarray's: whole numbers are frames then
+    counted = "seconds" if dataset["time"].dtype.kind == "f" else "frames"
+    unit = str(dataset.attrs.get("time_unit") or counted)
+    if unit not in ("seconds", "frames"):
+        raise InputError(
+            f"{where}: time_unit is {unit!r}; expected 'seconds' or 'frames', the two of movement: "
+            "bring its times to one of them."
+        )
+    exact = time if unit == "frames" else time * fps
     frames = np.rint(exact)
     off = np.abs(exact - frames)
     if off.size and not off.max() <= _OFF_FRAME:

@@ -91,7 +91,7 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
     return write_whole(path, netcdf_bytes(tracks))
 
 
-def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:
+def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     """Read Tracks from netCDF: pawnb's own, or a poses dataset that movement saved.
 
     Parameters
@@ -100,6 +100,8 @@ def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:
         The file; it is read whole and closed.
     fps : float, optional
         Frames per second, for a movement file that does not say.
+    unit : str, optional
+        Unit of length of positions in space of a movement file, which does not say.
 
     Returns
     -------
@@ -129,7 +131,7 @@ def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:
                 pass  # looked through before xarray follows what is in it
         dataset = _plain(xr.load_dataset(path, engine="scipy" if old else "h5netcdf"))
         if is_movement(dataset):
-            return from_movement(dataset, fps=fps, where=path.name)
+            return from_movement(dataset, fps=fps, unit=unit, where=path.name)
         return _checked(check_tracks(dataset, where=path.name), path.name)
 
 

@@ -14,7 +14,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
+from pawnb.io.formats import load_tracks
 from pawnb.io.movement import from_movement, is_movement, to_movement
 from pawnb.io.native import read_tracks, write_tracks
 from pawnb.schema import ORIGIN_CODE, absent_frames, make_tracks
@@ -211,7 +212,56 @@ def test_the_log_of_movement_is_kept():
 def test_what_holds_no_poses_is_refused():
     with pytest.raises(InputError, match=r"^d: not a poses dataset"):
         from_movement(poses(ds_type="bboxes"), where="d")
-    with pytest.raises(InputError, match=r"^d: position has dimensions \('time', 'space', 'keyp"):
-        from_movement(poses().isel(individuals=0, drop=True), where="d")
+    with pytest.raises(InputError, match=r"^d: position has dimensions \('time', 'space', 'indi"):
+        from_movement(poses().isel(keypoints=0, drop=True), where="d")
     with pytest.raises(InputError, match="expected 'plural' or 'singular'"):
         to_movement(example(), dims="both")
+
+
+def bare(dims=("x", "y"), *, time=None, **attrs):
+    """A dataset as movement makes it: point FR along x = frame, y = -frame."""
+    n = np.arange(4.0)
+    values = {"x": n, "y": -n, "z": 0 * n}
+    return xr.Dataset(
+        {"position": (("time", "space", "keypoints", "individuals"),
+                      np.stack([values[d] for d in dims], axis=1)[:, :, None, None])},
+        coords={"time": n / 100.0 if time is None else time, "space": list(dims),
+                "keypoints": ["FR"], "individuals": ["m1"]},
+        attrs={"ds_type": "poses", "fps": 100.0, **attrs},
+    )  # fmt: skip
+
+
+def test_positions_in_space_without_a_unit_are_no_pixels_and_that_is_said(tmp_path):
+    with pytest.warns(InputWarning, match="taken to be in mm"):
+        assert from_movement(bare("xyz")).attrs["units"] == "mm"
+    assert from_movement(bare("xyz", units="cm")).attrs["units"] == "cm"
+    assert from_movement(bare("xy")).attrs["units"] == "px"
+    bare("xyz").to_netcdf(tmp_path / "poses.nc", engine="h5netcdf")
+    assert load_tracks(tmp_path / "poses.nc", unit="m").attrs["units"] == "m"
+    assert read_tracks(tmp_path / "poses.nc", unit="m").attrs["units"] == "m"
+
+
+def test_axes_are_read_by_their_names_and_not_by_their_order():
+    # a point at x = frame is there in whichever order an array of pictures has its axes
+    tracks = from_movement(bare("yx"))
+    assert tracks["space"].to_numpy().tolist() == ["x", "y"]
+    assert tracks["position"].to_numpy()[:, 0].ravel().tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_an_animal_that_was_selected_is_read_without_its_dimension():
+    one = bare().isel(individuals=0)
+    assert from_movement(one)["individual"].to_numpy().tolist() == ["m1"]
+    assert from_movement(one.drop_vars("individuals"))["individual"].to_numpy().tolist() == [
+        "animal"
+    ]
+
+
+def test_whole_times_are_frames_where_the_unit_of_time_was_lost():
+    lost = bare(time=np.arange(4))
+    assert from_movement(lost)["frame"].to_numpy().tolist() == [0, 1, 2, 3]
+    assert from_movement(bare())["frame"].to_numpy().tolist() == [0, 1, 2, 3]
+
+
+def test_a_unit_of_time_that_movement_has_not_is_refused():
+    with pytest.raises(InputError, match=r"time_unit is 'milliseconds'; expected 'seconds' or"):
+        from_movement(bare(time=np.arange(4) * 10.0, time_unit="milliseconds"))

@@ -136,7 +136,7 @@ def _lacks_unit(source: GaitSource) -> bool:
     if trial is not None and trial.calibration is not None:
         return False
     entry = find_entry(recognise_format(source.path))
-    # C3D, the one of these that says its frame rate, says its unit as well
+    # of those that say their frame rate C3D says its unit as well, and movement's reader warns
     return "unit" in entry.reads_with and not entry.says_fps
 
 
