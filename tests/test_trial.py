@@ -423,3 +423,10 @@ def test_a_network_that_follows_points_is_no_setting_of_the_tracker(tmp_path):
 def test_a_network_that_is_no_file_is_one_sentence(tmp_path):
     with pytest.raises(InputError, match=r"point_tracker is 3; expected the file of the weights"):
         load_trial(write(tmp_path, DETECTIONS, f"{DETECTIONS}\npoint_tracker = 3"))
+
+
+def test_tracks_in_the_place_of_a_trial_are_told_where_they_go(tmp_path):
+    for name, content in (("m01DLC.csv", b"scorer,net\n"), ("poses.nc", b"\x89HDF\r\n\x1a\n\xff")):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(InputError, match=r"this is no trial\.toml; .* gait \(pawnb gait, "):
+            load_trial(tmp_path / name)

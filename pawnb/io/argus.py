@@ -65,8 +65,8 @@ def read_argus_points(
     if heights_px is None or len(heights_px) not in (1, len(numbers)):
         raise InputError(
             f"{where}: Argus counts v upwards from the lower edge; give the height of the pictures "
-            f"of its {len(numbers)} cameras in px (--heights on the command line), or name the "
-            "videos in a trial.toml."
+            f"of its {len(numbers)} cameras in px (heights_px of load_tracks, --heights of pawnb "
+            "convert, which writes tracks for pawnb gait), or name the videos in a trial.toml."
         )
     wanted = [f"{p}_cam_{n}_{axis}" for p in points for n in numbers for axis in "xy"]
     values = _columns(table, wanted, where).reshape(-1, len(points), len(numbers), 2)

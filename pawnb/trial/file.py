@@ -42,12 +42,22 @@ def load_trial(path: str | Path) -> Trial:
     path = Path(path)
     if path.is_dir():
         path = path / "trial.toml"
+    expected = "a trial.toml or the folder that holds one"
     if path.suffix.lower() in VIDEO_ENDINGS and path.is_file():
         raise InputError(
-            f"{path}: a video, not a trial; expected a trial.toml or the folder that holds one: "
-            "make one of videos by `pawnb new VIDEO ...`, or by clicks with `pawnb open VIDEO ...`."
+            f"{path}: a video, not a trial; expected {expected}: make one of videos by `pawnb new "
+            "VIDEO ...`, or by clicks with `pawnb open VIDEO ...`."
         )
-    document = read_toml(path, expected="a trial.toml or the folder that holds one")
+    try:
+        document = read_toml(path, expected=expected)
+    except InputError:
+        if path.suffix == ".toml" or not path.is_file():
+            raise
+        raise InputError(
+            f"{path}: this is no trial.toml; expected {expected}. Tracks of another program go "
+            "straight to the gait (pawnb gait, pawnb.run_gait), or are named in a trial.toml of "
+            "kind 'tracks', below [tracks]."
+        ) from None
     return trial_from_document(document, where=str(path), folder=path.parent)
 
 
