@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,6 +151,37 @@ def get_foot_paths(
         for s, (u, n, p) in sorted(
             spaces.items(), key=lambda item: ["position", *views].index(item[0])
         )
+    ]
+
+
+def notes_on_views(tracks: Tracks, spaces: Sequence[FootPaths]) -> list[str]:
+    """Say which views the gait is not taken from, though they were tracked.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    spaces : sequence of FootPaths
+        What :func:`get_foot_paths` took out of them.
+
+    Returns
+    -------
+    list of str
+        One note; none where a leg has its place in space, or every view is used.
+    """
+    used = [space.source for space in spaces]
+    views = [str(view) for view in tracks["view"].to_numpy()] if "view" in tracks.coords else []
+    unused = [
+        view
+        for view in views
+        if view not in used and bool(tracks["image_position"].sel(view=view).notnull().any())
+    ]
+    if not used or "position" in used or not unused:
+        return []
+    return [
+        f"the gait is that seen in {', '.join(used)} alone; {', '.join(unused)} "
+        f"{'is' if len(unused) == 1 else 'are'} not used, as the views are not calibrated: name "
+        "their calibration in a trial.toml to analyse places in space."
     ]
 
 

@@ -10,6 +10,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
     get_foot_paths,
     least_confidence,
     notes_on_confidence,
+    notes_on_views,
 )
 from pawnb.schema import make_tracks
 
@@ -60,3 +61,16 @@ def test_a_low_confidence_is_only_spoken_of_where_the_tracks_tell_one():
     (note,) = notes_on_confidence(tracks, least)
     assert "tell no confidence" in note
     assert not notes_on_confidence(tracks, least_confidence(tracks, 0.0))
+
+
+def test_views_that_the_gait_is_not_taken_from_are_said():
+    tracks = make_tracks(np.arange(10), ["FR", "FL"], fps=100.0, views=["a", "b", "c"])
+    tracks["image_position"].loc[{"view": ["a", "b"]}] = 5.0
+    legs = {"FR": "FR", "FL": "FL"}
+    (said,) = notes_on_views(tracks, get_foot_paths(tracks, legs))
+    assert said.startswith("the gait is that seen in a alone; b is not used, as the views are not")
+    # both are used where a leg is seen in the other one only, and space goes before all views
+    tracks["image_position"].loc[{"view": "a", "keypoint": "FL"}] = np.nan
+    assert notes_on_views(tracks, get_foot_paths(tracks, legs)) == []
+    tracks["position"].data[:] = 1.0
+    assert notes_on_views(tracks, get_foot_paths(tracks, legs)) == []
