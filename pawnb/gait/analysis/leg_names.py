@@ -129,6 +129,33 @@ def overlooked_points(points: Iterable[str], legs: Mapping[str, str]) -> list[st
     return found
 
 
+def rival_points(points: Iterable[str], legs: Mapping[str, str]) -> list[str]:
+    """Return points that are by their names as much the feet of legs as those that were guessed.
+
+    Parameters
+    ----------
+    points : iterable of str
+        Names of all points.
+    legs : mapping
+        Leg to point, as guessed.
+
+    Returns
+    -------
+    list of str
+        Such as ``paw_LF_bottom`` beside ``paw_LF_top``: one paw in two views of a picture.
+    """
+    english = in_english(points)
+    rears = _rear_pairs(english.values())
+    read = {point: _read(name, rears) for point, name in english.items()}
+    taken = [read.get(point) for leg, point in legs.items() if leg != point]
+    feet = set(legs.values())
+    return [
+        point
+        for point, place in read.items()
+        if place is not None and place in taken and point not in feet
+    ]
+
+
 def _rear_pairs(points: Iterable[str]) -> dict[str, tuple[str, str]]:
     """Return what letters of rear and back legs mean beside those of the front ones."""
     words = {word for point in points for word in split_name(point)}
@@ -219,17 +246,63 @@ def choose_legs(
     else:
         named = guess_legs(points)
     if not named:
-        like = next(iter(overlooked_points(points, {})), points[-1])
+        leg, like = _example(points)
         raise InputError(
             f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
-            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {like!r}}} or "
-            f"on the command line --legs HR={like!r}."
+            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'{leg}': {like!r}}} or "
+            f"on the command line --legs {leg}={like!r}."
         )
     feet = list(named.values())
     twice = next((foot for i, foot in enumerate(feet) if foot in feet[:i]), None)
     if twice is not None:
         raise InputError(f"{where}: two legs are the one point {twice!r}; name another.")
     return {leg: named[leg] for leg in sort_legs(named)}
+
+
+def notes_on_legs(points: Iterable[str], named: Mapping[str, str]) -> list[str]:
+    """Return notes on legs that nobody named: what was guessed, and what may be left out.
+
+    Parameters
+    ----------
+    points : iterable of str
+        Names of all points.
+    named : mapping
+        Leg to point, as guessed.
+
+    Returns
+    -------
+    list of str
+        The notes.
+    """
+    notes = []
+    if any(leg != point for leg, point in named.items()):
+        guess = ", ".join(f"{leg} is {point!r}" for leg, point in named.items())
+        notes.append(
+            f"legs were guessed from the names of points: {guess}; say others with legs (--legs)."
+        )
+    points = list(points)
+    if rivals := rival_points(points, named):
+        notes.append(
+            f"{', '.join(rivals)}: by name as much feet of the same legs as the points that were "
+            "taken, as where one picture holds two views; say which are meant with legs (--legs)."
+        )
+    if left_out := overlooked_points(points, named):
+        notes.append(
+            f"{', '.join(left_out)}: named like a part of a limb, and of no leg that is analysed "
+            f"({', '.join(named)}); say which legs these are with legs (--legs)."
+        )
+    return notes
+
+
+def _example(points: Sequence[str]) -> tuple[str, str]:
+    """Return a leg and a point that may be its foot, as the example of how to name one."""
+    no_feet = {*_NO_LEGS, *_FRONT, *_REAR}
+    for point in [*overlooked_points(points, {}), *reversed(points)]:
+        words = split_name(in_english([point])[point])
+        if not no_feet & set(words):
+            ranks = [_read_word(word, {})[1] for word in words]
+            return ("FR" if "F" in ranks else "HR"), point
+    return "HR", points[-1]
 
 
 def _leg_name(side: str, rank: str, *, six: bool) -> str:
@@ -275,9 +348,8 @@ def _read(
     numbers = [word for word in words if word.isdigit()]
     if not rank and len(numbers) == 1 and set(words) & _COUNTED_PARTS:
         rank, limb = numbers[0], True
-    depth = next(
-        (i for i, group in enumerate(_DISTAL) if any(word in group for word in words)), None
-    )
+    parts = {*words, *(glued["limb"] for word in words if (glued := _GLUED.fullmatch(word)))}
+    depth = next((i for i, group in enumerate(_DISTAL) if parts & {*group}), None)
     limb = limb or depth is not None or (bare and {*words} <= {*_SIDE_WORDS, *_RANK_WORDS})
     if not (side and rank and limb):
         return None

@@ -45,7 +45,8 @@ _GERMAN = re.compile(
 )
 _GERMAN_RANKS = {"vorder": "front", "mittel": "mid", "hinter": "hind"}
 _RANKS = "fore|front|mid|middle|hind|rear|back"
-_TOGETHER = re.compile(rf"(?:({_RANKS})(left|right)|(left|right)({_RANKS}))")
+_ENDS = "(paw|leg|limb|foot|hand|hoof|toe|claw|tip)?"
+_TOGETHER = re.compile(rf"({_RANKS}){_ENDS}(left|right){_ENDS}|(left|right)({_RANKS}){_ENDS}")
 _HORSE_SIDE = re.compile(
     rf"(?P<side>near|off)(?:side)?(?P<rank>{_RANKS})?(?P<limb>paw|leg|limb|foot|feet|hoof)?"
 )

@@ -14,7 +14,7 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.gait.analysis.feet_apart import say_on_one_place
-from pawnb.gait.analysis.leg_names import choose_legs, guess_body, overlooked_points
+from pawnb.gait.analysis.leg_names import choose_legs, guess_body, notes_on_legs
 from pawnb.gait.analysis.notes import Note
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool, say_whose_notes
 from pawnb.gait.cycles.leg_signals import LegSignals
@@ -159,25 +159,11 @@ def analyse(
     if told:
         return tables
     of_trial = trial.name if trial is not None else "trial"
-    said = [Note(note, where=of_trial) for note in _on_legs(tracks, named)]
+    said = [
+        Note(note, where=of_trial)
+        for note in notes_on_legs(map(str, tracks["keypoint"].to_numpy()), named)
+    ]
     return replace(tables, notes=(*said, *tables.notes))
-
-
-def _on_legs(tracks: Tracks, named: Mapping[str, str]) -> list[str]:
-    """Return notes on legs that nobody named: what was guessed, and what may be left out."""
-    notes = []
-    if any(leg != point for leg, point in named.items()):
-        guess = ", ".join(f"{leg} is {point!r}" for leg, point in named.items())
-        notes.append(
-            f"legs were guessed from the names of points: {guess}; say others with legs (--legs)."
-        )
-    points = [str(point) for point in tracks["keypoint"].to_numpy()]
-    if left_out := overlooked_points(points, named):
-        notes.append(
-            f"{', '.join(left_out)}: named like a part of a limb, and of no leg that is analysed "
-            f"({', '.join(named)}); say which legs these are with legs (--legs)."
-        )
-    return notes
 
 
 def analyse_events(

@@ -1,9 +1,16 @@
 """Names of feet as users of other programs give them (each list is one from a public project)."""
 
+import numpy as np
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.gait.analysis.leg_names import choose_legs, guess_legs, overlooked_points
+from pawnb.gait.analysis.leg_names import (
+    choose_legs,
+    guess_legs,
+    notes_on_legs,
+    overlooked_points,
+    rival_points,
+)
 from pawnb.schema import make_tracks
 
 
@@ -147,3 +154,40 @@ def test_a_foot_whose_side_is_mistyped_is_overlooked_aloud():
     assert set(legs.values()) == {"forepaw_right", "hindpaw_left"}
     assert overlooked_points(points, legs) == ["forepaw_lef"]
     assert overlooked_points(["Vorderpfote"], {}) == ["Vorderpfote"]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("rightforepaw", "righthindpaw", "leftforepaw", "lefthindpaw"),
+        ("forepawright", "hindpawright", "forepawleft", "hindpawleft"),
+        ("frontrightpaw", "backrightpaw", "frontleftpaw", "backleftpaw"),
+    ],
+)
+def test_names_in_one_word_are_read(names):
+    assert guess_legs(names) == dict(zip(("FR", "HR", "FL", "HL"), names, strict=True))
+
+
+def test_points_that_are_as_much_the_foot_of_a_leg_are_told():
+    # one picture with a view from the side and one from below, as mirror mice have
+    points = ["paw1LH_top", "paw2LF_top", "nose_top", "paw1LH_bot", "paw2LF_bot", "nose_bot"]
+    legs = guess_legs(points)
+    assert legs == {"FL": "paw2LF_top", "HL": "paw1LH_top"}
+    assert rival_points(points, legs) == ["paw1LH_bot", "paw2LF_bot"]
+    assert any("paw1LH_bot, paw2LF_bot: by name" in note for note in notes_on_legs(points, legs))
+    # a joint further in is none, in whichever order they are
+    points = ["hindleg_R", "hindpaw_R", "FL", "FL_wrist"]
+    legs = guess_legs(points)
+    assert legs == {"FL": "FL", "HR": "hindpaw_R"}
+    assert rival_points(points, legs) == []
+
+
+def test_the_example_of_a_leg_is_one_that_it_may_be():
+    def said(*points):
+        tracks = make_tracks(np.arange(3), list(points), fps=100.0)
+        with pytest.raises(InputError) as caught:
+            choose_legs(tracks)
+        return str(caught.value)
+
+    assert said("Nose", "Front paw tao", "Hind paw tao").endswith("--legs FR='Front paw tao'.")
+    assert said("pt1", "snout", "tailbase").endswith("--legs HR='pt1'.")
