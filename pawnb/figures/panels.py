@@ -318,6 +318,8 @@ def say_phase(phase: float) -> str:
 def add_animal_legend(ax: Any, marks: dict[str, AnimalMark], *, most: int = 12) -> None:
     """Name the animals below a figure, where there are several and not too many.
 
+    A row of names has its place in the figure; it gets taller by those that follow.
+
     Parameters
     ----------
     ax : matplotlib axes
@@ -339,9 +341,12 @@ def add_animal_legend(ax: Any, marks: dict[str, AnimalMark], *, most: int = 12) 
     # as many names in a row as fit at about 0.6 of the size of the letters
     figure = ax.figure
     widest = max(len(name) for name in marks) * 0.62 * get_style().font_size_pt + 22.0
-    fit = max(1, int(figure.get_size_inches()[0] * 72.0 / widest))
+    width, height = figure.get_size_inches()
+    columns = min(max(1, int(width * 72.0 / widest)), len(marks))
+    further = math.ceil(len(marks) / columns) - 1
+    figure.set_size_inches(width, height + further * 1.5 * get_style().font_size_pt / 72.0)
     figure.legend(
-        handles, list(marks), loc="outside lower center", ncols=min(fit, len(marks)),
+        handles, list(marks), loc="outside lower center", ncols=columns,
         handletextpad=0.2, columnspacing=1.0, handlelength=1.2,
     )  # fmt: skip
 

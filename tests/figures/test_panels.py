@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import warnings
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -13,13 +14,15 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.figures.panels import (
     add_animal_legend,
+    add_heading,
     add_letter,
     add_note,
     group_legs,
     make_panels,
+    new_axes,
     say_phase,
 )
-from pawnb.figures.style import mark_animals, style
+from pawnb.figures.style import figure_size, mark_animals, style
 
 mpl.use("Agg")
 
@@ -115,3 +118,17 @@ def test_every_figure_of_a_table_takes_axes():
     plots = [name for name in figures.__all__ if name.startswith("plot_")]
     without = [n for n in plots if "ax" not in inspect.signature(getattr(figures, n)).parameters]
     assert without == ["plot_summary_page"]
+
+
+def test_long_names_of_animals_take_no_place_from_the_panel():
+    heights = []
+    for names in ("ab", [f"PCCD3_Mouse{k}_25mm_run3-6" for k in range(14, 24)]):
+        with style(), warnings.catch_warnings():
+            warnings.simplefilter("error")  # of a layout that is given up
+            figure, ax = new_axes(figsize=figure_size(1, 40.0))
+            ax.set_xlabel("Speed (px/s)")
+            add_heading(ax, "FR to HR", "slope 0.1 [0, 1]\np 0.9, 5 animals")
+            add_animal_legend(ax, mark_animals(names))
+            figure.draw_without_rendering()
+            heights.append(ax.get_window_extent().height)
+    assert heights[1] > 0.8 * heights[0]
