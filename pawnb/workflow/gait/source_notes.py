@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.arrays import FloatArray
+from pawnb.io.deeplabcut import PICTURES
 from pawnb.io.format_table import find_entry
 from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
@@ -37,7 +38,11 @@ def notes_on_sources(sources: Sequence[GaitSource], animals: Sequence[str] | Non
         The notes.
     """
     whose = [] if animals is not None else [*_who_is_who(sources), *_same_names(sources)]
-    return [*whose, *_same_recordings(sources), *_units_taken(sources)]
+    tracked = [
+        (source.given.name, source.tracks) for source in sources if source.tracks is not None
+    ]
+    own = [note for name, tracks in tracked for note in _on_rows(name, tracks)]
+    return [*whose, *own, *_same_recordings(sources), *_units_taken(sources)]
 
 
 def notes_on_trials(
@@ -126,6 +131,45 @@ def _units_taken(sources: Sequence[GaitSource]) -> list[str]:
         "unit. Where they are in another: name the file in a trial.toml of kind 'tracks', with "
         'its unit below [calibration] (unit = "m").'
     ]
+
+
+def _on_rows(name: str, tracks: Tracks) -> Iterator[str]:
+    """Say where rows of a file may be no frames of a film, or animals pieces of one track."""
+    frames = tracks["frame"].to_numpy()
+    fps = float(tracks.attrs["fps"])
+    step = int(np.gcd.reduce(np.diff(frames))) if len(frames) > 1 else 1
+    if step > 1:
+        yield (
+            f"{name}: its rows are {step} frames apart, {fps / step:g} a second of {fps:g} frames "
+            "a second. Where it has a row for every frame, its frames are counted in another unit: "
+            "number them 0, 1, 2, ..."
+        )
+    if PICTURES in tracks.attrs:
+        yield (
+            f"{name} holds labels of single pictures, not tracks: the gait is right only where "
+            "every frame of one film was labelled and the pictures are numbered as its frames."
+        )
+    if pieces := _never_together(tracks):
+        yield (
+            f"{name}: {' and '.join(pieces)} are never seen in one frame. Where they are pieces of "
+            "the track of one animal, they must not count as animals: join them in the program "
+            "that made them."
+        )
+
+
+def _never_together(tracks: Tracks) -> list[str]:
+    """Return individuals that have a point each, and none in any frame of one of the others."""
+    seen = np.zeros((tracks.sizes["time"], tracks.sizes["individual"]), dtype=bool)
+    for name in ("position", "image_position"):
+        if name in tracks:
+            known = np.isfinite(tracks[name])
+            others = [dim for dim in known.dims if dim not in ("time", "individual")]
+            seen |= known.any(others).transpose("time", "individual").to_numpy()
+    there = seen.any(axis=0)
+    shared = seen.astype(float).T @ seen.astype(float)
+    apart = (shared == 0) & there & there[:, None]
+    names = tracks["individual"].to_numpy()
+    return [str(name) for name in names[apart.any(axis=0)]]
 
 
 def _lacks_unit(source: GaitSource) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 
 import numpy as np
+import pandas as pd
 import pytest
 from trotting import FPS, walking_tracks
 
@@ -127,3 +128,46 @@ def test_a_leg_without_a_place_in_space_is_named_with_what_to_do(tmp_path):
     kept = str(error.value).partition("--legs ")[2].partition(")")[0].split()
     run = run_gait(tmp_path / "tracks.nc", figures="none", legs=kept)
     assert set(run.tables.strides["leg"]) == set(kept)
+
+
+def bare_tracks():
+    """Tracks of a trot that do not say of what trial they are."""
+    tracks = walking_tracks("t", "m")
+    tracks.attrs.pop("trial")
+    return tracks
+
+
+def test_pieces_of_one_track_are_told_as_they_would_count_as_animals(tmp_path):
+    both = bare_tracks().isel(individual=[0, 0]).copy(deep=True)
+    both = both.assign_coords(individual=["track_0", "track_1"])
+    file = write_tracks(both, tmp_path / "whole.nc")
+    assert not any("never seen in one frame" in note for note in notes(file, tmp_path / "a")[1])
+    half = both.sizes["time"] // 2
+    both["position"].data[half:, ..., 0] = np.nan
+    both["position"].data[:half, ..., 1] = np.nan
+    _, said = notes(write_tracks(both, tmp_path / "pieces.nc"), tmp_path / "b")
+    assert any("pieces.nc: track_0 and track_1 are never seen in one frame" in n for n in said)
+
+
+def test_rows_that_are_no_frames_of_the_film_are_told(tmp_path):
+    tracks = bare_tracks()
+    table = tracks["position"].isel(individual=0)
+    columns = {
+        f"{leg}_{axis}": table.sel(keypoint=leg, space=axis).to_numpy()
+        for leg in map(str, table["keypoint"].to_numpy())
+        for axis in "xy"
+    }
+    ms = np.arange(tracks.sizes["time"]) * 5  # 200 frames a second, counted in ms
+    pd.DataFrame({"frame": ms, **columns}).to_csv(tmp_path / "ms.csv", index=False)
+    _, said = notes(tmp_path / "ms.csv", tmp_path / "a", fps=200.0)
+    assert any("ms.csv: its rows are 5 frames apart, 40 a second of 200" in note for note in said)
+    rows = [["scorer", *["me"] * 8], ["bodyparts", *[name[:2] for name in columns]]]
+    rows += [["coords", *"xy" * 4]]
+    rows += [
+        [f"labeled-data/m/img{k:03d}.png", *row] for k, row in enumerate(zip(*columns.values()))
+    ]
+    labels = tmp_path / "CollectedData_me.csv"
+    labels.write_text("\n".join(",".join(map(str, row)) for row in rows))
+    _, said = notes(labels, tmp_path / "b", fps=200.0)
+    assert any("CollectedData_me.csv holds labels of single pictures" in note for note in said)
+    assert not any("frames apart" in note for note in said)
