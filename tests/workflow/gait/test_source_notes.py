@@ -163,9 +163,8 @@ def test_rows_that_are_no_frames_of_the_film_are_told(tmp_path):
     assert any("ms.csv: its rows are 5 frames apart, 40 a second of 200" in note for note in said)
     rows = [["scorer", *["me"] * 8], ["bodyparts", *[name[:2] for name in columns]]]
     rows += [["coords", *"xy" * 4]]
-    rows += [
-        [f"labeled-data/m/img{k:03d}.png", *row] for k, row in enumerate(zip(*columns.values()))
-    ]
+    places = np.stack(list(columns.values()), axis=1)
+    rows += [[f"labeled-data/m/img{k:03d}.png", *row] for k, row in enumerate(places)]
     labels = tmp_path / "CollectedData_me.csv"
     labels.write_text("\n".join(",".join(map(str, row)) for row in rows))
     _, said = notes(labels, tmp_path / "b", fps=200.0)
