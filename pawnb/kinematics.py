@@ -301,7 +301,7 @@ def _without_jumps(steps: FloatArray) -> FloatArray:
     if not known.size:
         return steps
     longest = np.percentile(known, 99)
-    return steps * np.minimum(1.0, longest / np.maximum(length, np.finfo(float).tiny))
+    return steps * np.divide(longest, length, out=np.ones_like(length), where=length > longest)
 
 
 def main_axis(deviations: FloatArray) -> FloatArray:

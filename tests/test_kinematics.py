@@ -151,3 +151,10 @@ def test_bad_input_is_refused():
         body_frame_from_points(np.zeros((5, 2, 1)), cutoff_hz=None, fs_hz=100.0)
     with pytest.raises(InputError, match=r"are never seen together; name others"):
         body_frame_from_points(np.full((5, 2, 2), np.nan), cutoff_hz=None, fs_hz=100.0)
+
+
+def test_a_foot_that_stays_exactly_where_it_was_says_nothing_of_the_arithmetic():
+    t = np.arange(200) / 250.0
+    feet = np.stack([np.stack([np.sin(20 * t), 0 * t], 1), np.zeros((200, 2))], axis=2)
+    with np.errstate(all="raise"):
+        assert abs(swing_direction(feet, fs_hz=250.0)[0]) > 0.98

@@ -30,6 +30,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
     get_foot_paths,
     least_confidence,
     notes_on_confidence,
+    notes_on_placeholders,
     notes_on_views,
 )
 from pawnb.gait.locomotion.grid import Grid, put_on_grid
@@ -312,7 +313,10 @@ def _analyse_one(
     dropped = [*(dict(row) for row in lost), *_never_seen(legs, seen, grid)]
     motion: dict[str, Motion] = {}
     signals: list[LegSignals] = []
-    notes = [*notes_on_confidence(dense, least), *notes_on_views(dense, spaces)]
+    notes = [
+        *notes_on_placeholders(spaces), *notes_on_confidence(dense, least),
+        *notes_on_views(dense, spaces),
+    ]  # fmt: skip
     for space in spaces:
         posed = pose_body(dense, space, individual=individual)
         body, space = posed or (

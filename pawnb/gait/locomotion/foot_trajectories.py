@@ -13,6 +13,8 @@ from pawnb.schema import Tracks
 
 _LEAST_CONFIDENCE = dict.fromkeys(("DeepLabCut", "Lightning Pose", "Ensemble Kalman Smoother"), 0.6)
 """Programs that give a place in every frame, and the confidence from which it is one."""
+_LEAST_PLACEHOLDERS = 3
+"""Frames in which a foot is exactly in the corner of the picture; no foot that moves is."""
 _USED_VARIABLES = ("position", "confidence", "image_position", "image_confidence")
 
 
@@ -183,6 +185,39 @@ def notes_on_views(tracks: Tracks, spaces: Sequence[FootPaths]) -> list[str]:
         f"{'is' if len(unused) == 1 else 'are'} not used, as the views are not calibrated: name "
         "their calibration in a trial.toml to analyse places in space."
     ]
+
+
+def notes_on_placeholders(spaces: Sequence[FootPaths]) -> list[str]:
+    """Say which feet lie for some frames where programs put points that they did not find.
+
+    Parameters
+    ----------
+    spaces : sequence of FootPaths
+        The feet.
+
+    Returns
+    -------
+    list of str
+        A note for each of those places, 0 and -1 on every axis.
+    """
+    notes = []
+    for value in (0.0, -1.0):
+        found = []
+        for space in spaces:
+            there = (space.positions == value).all(axis=1).sum(axis=0)
+            found += [
+                f"{leg} in {n} frames"
+                for leg, n in zip(space.legs, there, strict=True)
+                if n >= _LEAST_PLACEHOLDERS
+            ]
+        if found:
+            place = ", ".join([f"{value:g}"] * spaces[0].positions.shape[1])
+            notes.append(
+                f"exactly at ({place}): {'; '.join(found)}. So some programs write points that "
+                "they did not find, and events are wrong then: leave these cells empty, which "
+                "counts as missing."
+            )
+    return notes
 
 
 def _best_space(point: Tracks, least: float) -> tuple[str, str, FloatArray] | None:

@@ -162,14 +162,13 @@ def _never_together(tracks: Tracks) -> list[str]:
     seen = np.zeros((tracks.sizes["time"], tracks.sizes["individual"]), dtype=bool)
     for name in ("position", "image_position"):
         if name in tracks:
-            known = np.isfinite(tracks[name])
-            others = [dim for dim in known.dims if dim not in ("time", "individual")]
-            seen |= known.any(others).transpose("time", "individual").to_numpy()
-    there = seen.any(axis=0)
-    shared = seen.astype(float).T @ seen.astype(float)
-    apart = (shared == 0) & there & there[:, None]
-    names = tracks["individual"].to_numpy()
-    return [str(name) for name in names[apart.any(axis=0)]]
+            places = tracks[name].transpose("time", "individual", ...).to_numpy()
+            seen |= np.isfinite(places).reshape(*seen.shape, -1).any(axis=2)
+    counts = seen.astype(float)
+    shared = counts.T @ counts  # frames in which both are seen; on the diagonal one of them
+    alive = np.flatnonzero(np.diag(shared))
+    apart = (shared[np.ix_(alive, alive)] == 0.0).any(axis=0)
+    return [str(tracks["individual"].to_numpy()[i]) for i in alive[apart]]
 
 
 def _lacks_unit(source: GaitSource) -> bool:

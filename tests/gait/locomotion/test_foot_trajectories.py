@@ -10,6 +10,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
     get_foot_paths,
     least_confidence,
     notes_on_confidence,
+    notes_on_placeholders,
     notes_on_views,
 )
 from pawnb.schema import make_tracks
@@ -74,3 +75,17 @@ def test_views_that_the_gait_is_not_taken_from_are_said():
     assert notes_on_views(tracks, get_foot_paths(tracks, legs)) == []
     tracks["position"].data[:] = 1.0
     assert notes_on_views(tracks, get_foot_paths(tracks, legs)) == []
+
+
+def test_feet_where_lost_points_are_put_are_told():
+    tracks = make_tracks(np.arange(10), ["FR", "FL"], fps=100.0, space=("x", "y"), unit="px")
+    tracks["position"].data[:] = 5.0
+    legs = {"FR": "FR", "FL": "FL"}
+    tracks["position"].data[:2, :, 0] = 0.0
+    tracks["position"].data[:, 0, 1] = 0.0  # along an edge, and not in the corner
+    assert notes_on_placeholders(get_foot_paths(tracks, legs)) == []
+    tracks["position"].data[4:6, :, 0] = 0.0
+    tracks["position"].data[4:7, :, 1] = -1.0
+    zero, minus = notes_on_placeholders(get_foot_paths(tracks, legs))
+    assert zero.startswith("exactly at (0, 0): FR in 4 frames. So some programs")
+    assert minus.startswith("exactly at (-1, -1): FL in 3 frames.")
