@@ -155,6 +155,6 @@ def test_bad_input_is_refused():
 
 def test_a_foot_that_stays_exactly_where_it_was_says_nothing_of_the_arithmetic():
     t = np.arange(200) / 250.0
-    feet = np.stack([np.stack([np.sin(20 * t), 0 * t], 1), np.zeros((200, 2))], axis=2)
+    feet = np.stack([np.stack([100 * np.sin(20 * t), 0 * t], 1), np.zeros((200, 2))], axis=2)
     with np.errstate(all="raise"):
         assert abs(swing_direction(feet, fs_hz=250.0)[0]) > 0.98
