@@ -168,7 +168,7 @@ def _build(
     named = [(c[1] if len(c) == 4 else ONE, c[-2], c[-1]) for c in columns]
     kept = [i for i, name in enumerate(named) if not _OF_SMOOTHER.fullmatch(name[2])]
     named, values = [named[i] for i in kept], values[:, kept]
-    _check_columns(named, where)
+    _check_columns(named, where, list(dict.fromkeys(c[0] for c in columns)))
     individuals, points = (list(dict.fromkeys(c[i] for c in named)) for i in (0, 1))
     axes = "xyz" if any(c[2] == "z" for c in named) else "xy"
     place = {c: i for i, c in enumerate(named)}
@@ -313,17 +313,19 @@ def _said(cell: object) -> str:
     return "empty" if pd.isna(cell) else repr(text)  # type: ignore[call-overload]
 
 
-def _check_columns(named: Sequence[tuple[str, str, str]], where: str) -> None:
+def _check_columns(
+    named: Sequence[tuple[str, str, str]], where: str, scorers: Sequence[str]
+) -> None:
     """Refuse columns that are there twice, unknown coordinates, and points with half a place."""
     known = ("x", "y", "z", "likelihood")
     seen: set[tuple[str, str, str]] = set()
     for who, point, axis in named:
         of = f"{point} {axis}" if who == ONE else f"{who} {point} {axis}"
         if (who, point, axis) in seen:
-            raise InputError(
-                f"{where}: column {of} is there twice; keep one of them, or name the points "
-                "differently."
-            )
+            mend = "keep one of them, or name the points differently."
+            if len(scorers) > 1:
+                mend = f"keep the columns of one scorer, of {' and '.join(scorers)}."
+            raise InputError(f"{where}: column {of} is there twice; {mend}")
         if axis not in known:
             raise InputError(f"{where}: column {of}; expected coords {', '.join(known)}.")
         seen.add((who, point, axis))

@@ -90,6 +90,9 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     wanted = [f"{point}_{axis}" for point in points for axis in "XYZ"]
     _check_layout(path, table, wanted, "<point>_X, <point>_Y, <point>_Z")
     places = table[wanted].to_numpy(dtype=float).reshape(len(frames), len(points), 1, 3)
+    if is_sparse(path):  # which leaves zeros out, and a point has all three coordinates or none
+        some = np.isfinite(places).any(axis=-1, keepdims=True)
+        places = np.where(some & np.isnan(places), 0.0, places)
     tracks = build_tracks(
         frames, places, points=points, fps=fps, unit=unit, program="DLTdv", where=Path(path).name
     )

@@ -317,3 +317,12 @@ def test_old_sleap_files_count_from_the_corner_of_a_pixel(tmp_path):
         file["metadata"].attrs["format_id"] = 1.0
     old = read_any_tracks(path, fps=FPS)
     np.testing.assert_allclose(old["position"], new["position"] - 0.5)
+
+
+def test_predictions_of_two_scorers_in_one_table_are_told_apart(tmp_path):
+    (tmp_path / "two.csv").write_text(
+        "scorer,netA,netA,netA,netB,netB,netB\nbodyparts,FR,FR,FR,FR,FR,FR\n"
+        "coords,x,y,likelihood,x,y,likelihood\n0,1,2,1,3,4,1\n"
+    )
+    with pytest.raises(InputError, match=r"FR x is there twice; keep the columns of one scorer, "):
+        read_any_tracks(tmp_path / "two.csv", fps=100.0)

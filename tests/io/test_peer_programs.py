@@ -65,6 +65,15 @@ def test_sparse_files_of_dltdv_have_a_title_and_no_names(sparse, tmp_path, kind)
         np.testing.assert_array_equal(positions(space, "position"), np.full((2, 2, 3), 3.5))
 
 
+def test_a_point_of_a_sparse_file_that_lies_on_an_axis_is_there(tmp_path):
+    values = np.array([[1.5, 2.5, 0.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 4.0, 5.0, 6.0]])
+    file = write_sparse(tmp_path / "c_xyzpts.tsv", "Sparse format 3D coordinates file", values)
+    space = positions(load_tracks(file, fps=FPS), "position")
+    np.testing.assert_array_equal(space[:, 0], [[1.5, 2.5, 0.0], [1.0, 0.0, 0.0]])
+    # of the other one nothing is there in the first frame: it was not digitised
+    np.testing.assert_array_equal(space[:, 1], [[np.nan] * 3, [4.0, 5.0, 6.0]])
+
+
 def test_a_sparse_file_alone_does_not_say_its_cameras(sparse):
     with pytest.raises(InputError, match=r"put the clip_offsets\.tsv that DLTdv wrote with it"):
         load_tracks(sparse, fps=FPS)
