@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.analysis.leg_words import in_english, split_name
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import Tracks
@@ -224,25 +224,24 @@ def choose_legs(
     Raises
     ------
     InputError
-        If no leg is named and none can be guessed.
+        If no leg is named and none can be guessed, or a point that is named is not there.
     """
     points = [str(p) for p in tracks["keypoint"].to_numpy()]
     if isinstance(legs, str):
         raise InputError(f"legs is {legs!r}; expected a list such as ['FR', 'HR'].")
     if not points:
         raise InputError(f"{where}: no point at all; expected tracks of at least one foot.")
+    told = dict(trial.tracks_legs if trial is not None else {})
     if isinstance(legs, Mapping):
         named = dict(legs)
     elif legs is not None:
         # a leg that the trial, or the names of the points, say which point it is
-        known = guess_legs(points) | dict(trial.tracks_legs if trial is not None else {})
-        named = {leg: leg if leg in points else known.get(leg, leg) for leg in legs}
+        known = guess_legs(points) | {point: point for point in points} | told
+        named = {leg: known.get(leg, leg) for leg in legs}
         if len(named) < len(list(legs)):
             raise InputError(f"legs is {list(legs)}, with one of them twice; name each once.")
-    elif trial is not None and trial.tracks_legs:
-        found = dict(trial.tracks_legs)
-        # readers may have given the points the names of the legs already
-        named = {leg: leg if leg in points else point for leg, point in found.items()}
+    elif told:
+        named = told
     else:
         named = guess_legs(points)
     if not named:
@@ -252,6 +251,12 @@ def choose_legs(
             f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'{leg}': {like!r}}} or "
             f"on the command line --legs {leg}={like!r}."
         )
+    for leg, point in named.items():
+        if point not in points:
+            raise InputError(
+                f"leg {leg!r}: the tracks have no point {point!r}{did_you_mean(point, points)}; "
+                f"they have {', '.join(points)}."
+            )
     feet = list(named.values())
     twice = next((foot for i, foot in enumerate(feet) if foot in feet[:i]), None)
     if twice is not None:

@@ -67,9 +67,15 @@ def find_belt_speed(
             ]
     if not (math.isfinite(own) and own > 0):
         return None, []
+    why = f"none is known in {feet.unit}/s."
+    if stated is not None:
+        why = (
+            f"the stated one, {usual:.4g}, does not fit them in px/s and is taken to be in another "
+            "unit: px_per_unit below [calibration] brings both to one."
+        )
     note = (
         f"{who}: belt speed about {own:.4g} {feet.unit}/s, taken from the feet in stance, stride "
-        f"by stride, because none is known in {feet.unit}/s."
+        f"by stride, because {why}"
     )
     local = [stance_velocity_over_time(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
     return -np.mean([one for one in local if np.isfinite(one).all()], axis=0), [note]

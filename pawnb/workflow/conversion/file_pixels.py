@@ -70,7 +70,7 @@ def read_digitised_trial(path: Path, trial: Trial, program: str = "dltdv") -> Tr
         raise CalibrationError(
             f'{path.name} counts v upwards ([calibration] v = "up", or Argus) and the height of '
             f"the picture of view {unknown[0]!r} is not known; name its video under [[views]], or "
-            "give crop = [0, 0, width, height] there."
+            "give crop = [0, 0, width, height] there, with which it need not be at hand."
         )
     if up:
         # any height does for triangulation, as long as points and coefficients share it

@@ -174,7 +174,7 @@ def _never_together(tracks: Tracks) -> list[str]:
 def _lacks_unit(source: GaitSource) -> bool:
     """Whether points in space come from a file without a unit, and no trial says one."""
     tracks, trial = source.tracks, source.trial
-    if tracks is None or tracks.sizes["space"] != 3:
+    if tracks is None or tracks.sizes["space"] != 3 or not np.isfinite(tracks["position"]).any():
         return False
     if trial is not None and trial.calibration is not None:
         return False

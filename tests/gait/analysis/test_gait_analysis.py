@@ -540,3 +540,12 @@ def test_a_trial_of_another_frame_rate_than_its_tracks_is_said():
     tracks = Walk().tracks()
     with pytest.warns(InputWarning, match="has 24 frames/s and these tracks 250: times are those"):
         analyse(tracks, trial=make_trial(fps=24.0))
+
+
+def test_a_belt_speed_in_another_unit_than_px_is_told_where_it_is_not_used():
+    tracks = Walk().tracks(treadmill=True)
+    tracks.attrs["units"] = "px"
+    (said,) = (n for n in analyse(tracks, belt_speed=30.0).notes if "belt speed about" in n)
+    assert "because the stated one, 30, does not fit them in px/s" in said
+    (said,) = (n for n in analyse(tracks).notes if "belt speed about" in n)
+    assert "because none is known in px/s" in said

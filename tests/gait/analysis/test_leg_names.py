@@ -12,6 +12,7 @@ from pawnb.gait.analysis.leg_names import (
     rival_points,
 )
 from pawnb.schema import make_tracks
+from pawnb.trial import Animal, Trial
 
 
 @pytest.mark.parametrize(
@@ -191,3 +192,19 @@ def test_the_example_of_a_leg_is_one_that_it_may_be():
 
     assert said("Nose", "Front paw tao", "Hind paw tao").endswith("--legs FR='Front paw tao'.")
     assert said("pt1", "snout", "tailbase").endswith("--legs HR='pt1'.")
+
+
+def test_legs_of_a_trial_are_the_points_that_it_names_and_no_others():
+    tracks = make_tracks(np.arange(3), ["FR", "FL", "HR"], fps=100.0)
+
+    def chosen(**legs):
+        trial = Trial(
+            kind="tracks", name="t", fps=100.0, animal=Animal(id="a"), tracks_file="a.csv",
+            tracks_legs=legs,
+        )  # fmt: skip
+        return choose_legs(tracks, trial=trial), choose_legs(tracks, trial=trial, legs=list(legs))
+
+    # names in the file that were exchanged are put right, and not left as they are
+    assert chosen(FR="FL", FL="FR") == ({"FR": "FL", "FL": "FR"},) * 2
+    with pytest.raises(InputError, match=r"leg 'FR': the tracks have no point 'paw FR'; they hav"):
+        chosen(FR="paw FR")

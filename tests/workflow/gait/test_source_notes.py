@@ -170,3 +170,12 @@ def test_rows_that_are_no_frames_of_the_film_are_told(tmp_path):
     _, said = notes(labels, tmp_path / "b", fps=200.0)
     assert any("CollectedData_me.csv holds labels of single pictures" in note for note in said)
     assert not any("frames apart" in note for note in said)
+
+
+def test_points_of_views_are_in_px_and_nothing_is_said_of_mm(sample):
+    file = sample / "m01DLC.csv"
+    text = '[trial]\nkind = "tracks"\nname = "t"\nfps = 200.0\n[animal]\nid = "m01"\n[tracks]\n'
+    (sample / "trial.toml").write_text(f'{text}file = {{ side = "{file.name}" }}\n')
+    _, said = notes(sample, sample / "out")
+    assert any("(side)" in note for note in said)
+    assert not any("taken to be in mm" in note for note in said)
