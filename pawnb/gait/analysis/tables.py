@@ -346,7 +346,8 @@ def say_whose_notes(parts: Sequence[GaitTables]) -> list[GaitTables]:
     list of GaitTables
         The same, with the animal before the words of its own notes.
     """
-    shared = set.intersection(*(set(part.notes) for part in parts))
+    seen = [part for part in parts if part.bases[0].motion]
+    shared = set.intersection(*(set(part.notes) for part in seen)) if seen else set()
     told = []
     for part in parts:
         who = part.bases[0].who

@@ -68,5 +68,6 @@ def test_an_animal_that_was_never_seen_does_not_take_the_others_with_it():
     assert say_no_strides(found) == [
         "trial: ghost: left out, as no leg has a position in any frame."
     ]
+    assert found.notes == alone.notes  # what is said of all that are seen is said of nobody by name
     own = found.dropped[found.dropped["animal"] == "ghost"]
     assert set(own["leg"]) == {"FR", "HR", "FL", "HL"}
