@@ -84,6 +84,7 @@ def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
         rate, frames = _times(series[names[0]], len(data[0]), fps, where)
         unit = str(series[names[0]]["data"].attrs.get("unit", "pixels"))
         subject, notes = _subject(file), _text(file.get("general/notes"))
+        program = _text(group.get("source_software"))
     if data[0].shape[1] not in (2, 3):
         raise InputError(f"{where}: points have {data[0].shape[1]} axes; expected 2 or 3.")
     tracks = build_tracks(
@@ -93,7 +94,7 @@ def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
         points=[plain_name(name) for name in names],
         fps=rate,
         unit="px" if unit in _PIXELS else unit,
-        program="NWB",
+        program=program or "NWB",
         where=where,
         individuals=[subject or "animal"],
     )
