@@ -92,6 +92,9 @@ class GaitTables:
         n_animals, n_trials = known["animal"].nunique(), len(known)
         sizes = [f"{name}: {len(getattr(self, name))} rows" for name in _GAIT_TABLES]
         more = [f"{len(self.notes)} notes", *(["corrected by hand"] if self.found else [])]
+        legs = {leg for basis in self.bases for leg in basis.legs or ()} | {*self.events["leg"]}
+        without = sort_legs(legs - {*self.strides["leg"]})
+        more += [f"no stride of {', '.join(without)}"] * bool(without)
         of = (
             f"{n_trials} trial{'s' * (n_trials != 1)} of {n_animals} animal{'s' * (n_animals != 1)}"
         )

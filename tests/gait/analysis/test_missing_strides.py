@@ -71,3 +71,10 @@ def test_an_animal_that_was_never_seen_does_not_take_the_others_with_it():
     assert found.notes == alone.notes  # what is said of all that are seen is said of nobody by name
     own = found.dropped[found.dropped["animal"] == "ghost"]
     assert set(own["leg"]) == {"FR", "HR", "FL", "HL"}
+
+
+def test_what_is_shown_of_an_analysis_names_the_legs_without_a_stride():
+    tracks = Walk().tracks(treadmill=True)
+    assert "no stride" not in repr(analyse(tracks, belt_speed=300.0))
+    tracks["position"].loc[{"keypoint": ["HL", "FR"]}] = np.nan
+    assert "notes, no stride of FR, HL)" in repr(analyse(tracks, belt_speed=300.0))
