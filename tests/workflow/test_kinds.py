@@ -42,7 +42,7 @@ def test_each_kind_has_an_object_with_everything_that_is_asked_of_it():
     assert isinstance(kind_of(trial("paws")), PointTrials)
     assert isinstance(kind_of(trial("pose")), PoseTrials)
     asked = {name for name in vars(TrialKind) if not name.startswith("_")}
-    assert len(asked) == 6
+    assert len(asked) == 7
     for kind in (PointTrials, PoseTrials):
         assert asked <= set(vars(kind))
 
