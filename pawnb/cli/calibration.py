@@ -100,6 +100,7 @@ def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> int:
     if options.to is not None:
         return _for_program(options)
     options.out = options.out or "DLTcoefs.csv"
+    _refuse_unused(options)
     if options.board is not None:
         return _by_board(options)
     for name in ("judge", "floor"):
@@ -110,6 +111,28 @@ def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> int:
     if is_points(options.files[0]):
         return _by_points(options)
     return _by_file(options)
+
+
+def _refuse_unused(options: argparse.Namespace) -> None:
+    """Refuse options of another way to calibrate, which would change nothing."""
+    from pawnb.workflow.calibration.calibrate import is_points
+
+    by_points = options.board is None and options.wand is None and is_points(options.files[0])
+    if options.board is not None and options.wand is not None:
+        raise InputError("--board and --wand are two ways to calibrate; give one of them.")
+    if options.wand is None and (options.lenses or options.size):
+        name = "lenses" if options.lenses else "size"
+        more = (
+            "; where lenses bend, click points with CalibrationDigitiser and choose 'Lenses bend', "
+            "or film a board" if by_points and options.lenses else ""
+        )  # fmt: skip
+        raise InputError(f"--{name} is for a wand (--wand) and would not be heeded here{more}.")
+    if (options.program or options.heights) and (by_points or options.board or options.wand):
+        name = "from" if options.program else "heights"
+        raise InputError(
+            f"--{name} is for DLT coefficients of another program and would not be heeded here; "
+            "clicks and pictures are in pixels from the centre of the top-left one, v downwards."
+        )
 
 
 def _by_board(options: argparse.Namespace) -> int:
@@ -180,10 +203,16 @@ def _by_points(options: argparse.Namespace) -> int:
         raise InputError(f"{first} holds known points; name the csv of their clicks after it.")
     fit = calibrate(first, others[0], out=options.out, views=options.views)
     if options.json:
-        print_json(views=list(fit.rig.names), clicks=fit.residuals, files=[options.out])
+        print_json(
+            views=list(fit.rig.names), clicks=fit.residuals, remarks=list(fit.remarks),
+            files=[options.out],
+        )  # fmt: skip
     else:
         print(fit.text())
-        print(f"wrote {options.out}; name it in trial.toml: [calibration] dlt = ...")
+        print(
+            f"wrote {options.out}; name it in trial.toml, its views in the order "
+            f"{', '.join(fit.rig.names)}: [calibration] dlt = ..."
+        )
     return 0
 
 

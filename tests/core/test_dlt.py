@@ -476,6 +476,16 @@ def test_mirrored_space_is_told_from_space_as_it_is():
     assert dlt.handedness(behind[:, None], about + np.array([0, 2000, 0])).tolist() == [1]
 
 
+def test_perspective_that_was_fitted_to_errors_does_not_tell_a_mirror():
+    rng = np.random.default_rng(5)
+    xyz = rng.uniform(-40, 40, (20, 3))
+    told = []
+    for _ in range(20):  # parallel lines of sight, clicked with an error of 2 px
+        uv = xyz[:, [0, 2]] * [2.0, -2.0] + rng.normal(0.0, 2.0, (20, 2))
+        told += dlt.handedness(dlt.fit_dlt(xyz, uv).coefs[:, None], xyz).tolist()
+    assert -1 not in told
+
+
 @given(rigs(n_min=3), seeds)
 @settings(max_examples=20)
 def test_weighed_alike_points_do_not_depend_on_where_the_origin_lies(coefs, seed):

@@ -11,6 +11,7 @@ __all__ = [
     "arrangement",
     "bundle",
     "corners",
+    "doubts",
     "intrinsics",
     "optics",
     "rig_from_boards",

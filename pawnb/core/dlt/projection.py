@@ -18,6 +18,9 @@ _PARALLEL = 1e-9
 _LEAST_CONVERGENCE = 0.01
 """Lines of sight that converge by less than this, as a share of the distance, are parallel: how a
 view shows depth is then not known."""
+_MOST_OBLIQUE = 0.2
+"""Cosine of the angle of a picture's axes, and log of their scales, up to which it is of a camera:
+pixels are square, and what is beyond is perspective that was fitted to the errors of clicks."""
 _LONGEST_FOCAL_PX = 1e6
 """Views of a longer focal length have no perspective that could be distinguished from none."""
 
@@ -287,7 +290,8 @@ def handedness(coefs: FloatArray, xyz: Points3D) -> IntArray:
     Returns
     -------
     ndarray of int, shape (V,)
-        1 as it is, -1 mirrored, 0 where lines of sight are parallel, which does not tell.
+        1 as it is, -1 mirrored, 0 where it cannot be told: lines of sight are parallel, or so
+        nearly that what the coefficients say of perspective is that of no camera.
     """
     coefs = _as_coefs(coefs)
     xyz = np.asarray(xyz, dtype=float)
@@ -296,7 +300,23 @@ def handedness(coefs: FloatArray, xyz: Points3D) -> IntArray:
     converge = np.linalg.norm(coefs[8:11], axis=0) * size / np.abs(depth)
     matrix = np.stack([coefs[0:3], coefs[4:7], coefs[8:11]]).transpose(2, 0, 1)
     sign = np.sign(np.linalg.det(matrix)) * np.sign(depth)
-    return np.where(converge < _LEAST_CONVERGENCE, 0, sign).astype(int)
+    told = (converge >= _LEAST_CONVERGENCE) & [_has_square_pixels(one) for one in matrix]
+    return np.where(told, sign, 0).astype(int)
+
+
+def _has_square_pixels(matrix: FloatArray) -> bool:
+    """Say whether a view's first three columns (3, 3) are nearly those of square pixels."""
+    u, v, axis = matrix
+    depth = np.linalg.norm(axis)
+    if depth == 0:
+        return False
+    axis = axis / depth
+    across_u, across_v = u - (u @ axis) * axis, v - (v @ axis) * axis
+    wide, high = np.linalg.norm(across_u), np.linalg.norm(across_v)
+    if not (wide > 0 and high > 0):
+        return False
+    oblique = abs(across_u @ across_v) / (wide * high)
+    return bool(oblique < _MOST_OBLIQUE and abs(np.log(wide / high)) < _MOST_OBLIQUE)
 
 
 def to_matrix(coefs: FloatArray) -> FloatArray:

@@ -10,7 +10,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.core.calibration.doubts import doubt_points, tell_mirrored
 from pawnb.core.calibration.rig_from_points import fit_rig
+from pawnb.core.dlt import handedness
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.io.coefs import write_coefs
@@ -31,13 +33,16 @@ class CalibrationFit:
         The calibrated views.
     residuals : DataFrame
         ``view, point, residual_px``: how far each click is from where its point appears.
+    remarks : tuple of str
+        What looks wrong: views that show space mirrored, clicks that are not on their point.
     """
 
     rig: Rig
     residuals: pd.DataFrame
+    remarks: tuple[str, ...] = ()
 
     def text(self) -> str:
-        """Return the reprojection error of each view and of each of its points."""
+        """Return the reprojection error of each view and of each of its points, and remarks."""
         lines = []
         for view in self.rig.names:
             own = self.residuals[self.residuals["view"] == view]
@@ -49,6 +54,7 @@ class CalibrationFit:
             )
             each = zip(own["point"], error, strict=True)
             lines.append("  " + ", ".join(f"{point} {value:.3f}" for point, value in each))
+        lines += [f"look: {remark}" for remark in self.remarks]
         return "\n".join(lines)
 
 
@@ -103,7 +109,19 @@ def calibrate(
         rig = rig.subset(views)
     if out is not None:
         write_coefs(rig.coefs, out)
-    return CalibrationFit(rig, residuals)
+    return CalibrationFit(rig, residuals, _doubts(rig, known, clicked))
+
+
+def _doubts(rig: Rig, known: pd.DataFrame, clicked: pd.DataFrame) -> tuple[str, ...]:
+    """Return what looks wrong in views that were calibrated."""
+    places = known.set_index(known["point"].astype(str))[list("xyz")]
+    said = tell_mirrored(rig.names, handedness(rig.coefs, places.to_numpy(float)))
+    for view in rig.names:
+        own = clicked[clicked["view"].astype(str) == view]
+        points = own["point"].astype(str).tolist()
+        xyz, uv = places.loc[points].to_numpy(float), own[["u", "v"]].to_numpy(float)
+        said += doubt_points(points, xyz, uv, view=view)
+    return tuple(said)
 
 
 def is_points(path: str | Path) -> bool:

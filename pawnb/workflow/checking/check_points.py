@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 import pandas as pd
 
+from pawnb.core.calibration.doubts import tell_mirrored
+from pawnb.core.dlt import handedness
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
 from pawnb.core.rig import Rig
@@ -13,6 +17,7 @@ from pawnb.errors import PawnbError
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial
 from pawnb.workflow.checking.check_report import CheckReport
+from pawnb.workflow.start.propose import PAWS
 from pawnb.workflow.tracking.methods import tracker_settings
 from pawnb.workflow.tracking.point_tracker import point_trackers
 from pawnb.workflow.tracking.predicted import doubt_predictions, predictions_for
@@ -68,18 +73,66 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
     _check_predictions(trial, views, clicks, frames, report)
     if not report.faults and (rig is not None or len(views.names) == 1):
         _doubt_colours(trial, views, rig, clicks, report)
-    if rig is None:
-        return
+    if rig is not None:
+        _check_against_rig(trial, rig, clicks, report)
+
+
+def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: CheckReport) -> None:
+    """Doubt clicks that disagree between views, and a rig that shows their points mirrored."""
+    places: dict[tuple[int, str], np.ndarray] = {}
     for (frame, point), group in clicks.groupby(["frame", "point"], sort=True):
         uv = np.full((len(rig.names), 2), np.nan)
         for row in group.itertuples():
             uv[rig.names.index(str(row.view))] = row.u, row.v
-        residual = float(rig.triangulate(uv).residual_px)
+        solved = rig.triangulate(uv)
+        places[int(str(frame)), str(point)] = solved.xyz
+        residual = float(solved.residual_px)
         if residual > MAX_CLICK_RESIDUAL_PX:
             report.doubts.append(
                 f"start clicks of {point} in frame {frame} disagree between the views by "
                 f"{residual:.0f} px: one of them is on another point, or the calibration is off"
             )
+    xyz = np.array([place for place in places.values() if np.isfinite(place).all()]).reshape(-1, 3)
+    if len(xyz) > 1:
+        # a view that is turned over by mirror = true shows either, by what was calibrated
+        turned = [trial.view(name).mirror for name in rig.names]
+        signs = np.where(turned, 0, handedness(rig.coefs, xyz))
+        report.doubts += tell_mirrored(rig.names, signs)
+    for frame in sorted({frame for frame, _ in places}):
+        own = {point: xyz for (at, point), xyz in places.items() if at == frame}
+        _doubt_order_of_paws(rig, own, frame, report)
+
+
+def _doubt_order_of_paws(
+    rig: Rig, places: Mapping[str, np.ndarray], frame: int, report: CheckReport
+) -> None:
+    """Doubt a rig in which left paws lie on the right of right ones.
+
+    Front paws behind hind paws are no reason alone: they are so for a moment in a gallop.
+    """
+    if not set(PAWS) <= places.keys() or not all(np.isfinite(places[paw]).all() for paw in PAWS):
+        return
+    forward = np.array(rig.forward)
+    FR, HR, FL, HL = (places[paw] for paw in PAWS)
+    to_right = float((FR + HR - FL - HL) @ np.cross(forward, rig.up)) / 2
+    ahead = float((FR + FL - HR - HL) @ forward) / 2
+    if to_right >= 0:
+        return
+    if ahead < 0:
+        said = (
+            f"the animal is turned round: front paws lie {-ahead:.1f} {rig.unit} behind hind paws, "
+            f"and left paws {-to_right:.1f} {rig.unit} to the right of right ones: [calibration] "
+            "forward is the wrong way round"
+        )
+    else:
+        said = (
+            f"left paws lie {-to_right:.1f} {rig.unit} to the right of right ones: they are "
+            "clicked under each other's names, [calibration] up is the wrong way round"
+        )
+    report.doubts.append(
+        f"in frame {frame} {said}, or the columns of the calibration are in another order than "
+        "the views"
+    )
 
 
 def _check_predictions(

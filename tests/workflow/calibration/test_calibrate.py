@@ -71,3 +71,38 @@ def test_a_bad_click_stands_out_and_bad_files_are_one_sentence(files, capsys):
     assert cli.main(["calibrate", str(points), str(clicks)]) == 2
     said = capsys.readouterr().err
     assert said == "pawnb: clicks.csv: line 2, column 'v' is 'x'; expected a number.\n"
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda c: c.assign(v=600 - c["v"]), "mirrored in side, front: its axes"),
+        (
+            lambda c: c.assign(u=c["u"].where(c["view"] == "side", 1023 - c["u"])),
+            "mirrored in front and as it is in side",
+        ),
+        (lambda c: c.assign(u=c["u"] + 25.0 * (c.index == 3)), "view 'side': point 'm3' lies 25.0"),
+    ],
+)
+def test_clicks_that_fit_but_are_wrong_are_said(files, tmp_path, capsys, change, said):
+    points, clicks = files
+    out = ["-o", str(tmp_path / "DLTcoefs.csv")]
+    assert cli.main(["calibrate", str(points), str(clicks), *out]) == 0
+    told = capsys.readouterr().out
+    assert "look:" not in told
+    assert "its views in the order side, front" in told
+    change(pd.read_csv(clicks)).to_csv(clicks, index=False)
+    assert cli.main(["calibrate", str(points), str(clicks), *out]) == 0
+    (line,) = [x for x in capsys.readouterr().out.splitlines() if x.startswith("look: ")]
+    assert said in line
+
+
+@pytest.mark.parametrize(
+    "words",
+    [["--lenses", "lenses.toml"], ["--size", "10x10"], ["--from", "dltdv7"], ["--heights", "9"]],
+)
+def test_an_option_that_would_not_be_heeded_is_refused(files, tmp_path, capsys, words):
+    out = tmp_path / "DLTcoefs.csv"
+    assert cli.main(["calibrate", *map(str, files), "-o", str(out), *words]) == 2
+    assert f"{words[0]} is for " in capsys.readouterr().err
+    assert not out.exists()

@@ -135,6 +135,31 @@ def test_a_click_on_another_point_is_doubted(small_trial):
     assert doubt.startswith("start clicks of FR in frame 0 disagree between the views by ")
 
 
+def test_coefficients_that_show_one_view_mirrored_are_doubted(small_trial):
+    coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
+    below = np.append(coefs[8:11, 2], 1.0)
+    coefs[0:4, 2] = 409.0 * below - coefs[0:4, 2]  # u counted from the right, 410 px wide
+    np.savetxt(small_trial / "DLTcoefs.csv", coefs, delimiter=",")
+    doubts = check_trial(small_trial).doubts
+    assert any("mirrored in cam3 and as it is in cam1, cam2, cam4" in one for one in doubts)
+
+
+def test_coefficients_in_the_order_of_other_views_are_doubted(small_trial):
+    """Cameras on both sides, counted from the other end: clicks agree and all is turned round."""
+    coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
+    np.savetxt(small_trial / "DLTcoefs.csv", coefs[:, ::-1], delimiter=",")
+    doubts = check_trial(small_trial).doubts
+    (said,) = [one for one in doubts if one.startswith("in frame 0 the animal is turned round")]
+    assert said.endswith("or the columns of the calibration are in another order than the views")
+
+
+def test_left_paws_under_the_names_of_right_ones_are_doubted(small_trial):
+    change(small_trial, "trial.toml", 'unit = "mm"\n', 'unit = "mm"\nup = [0, 0, -1]\n')
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith("in frame 0 left paws lie ")
+    assert "[calibration] up is the wrong way round" in doubt
+
+
 def test_views_without_calibration_and_many_clicked_frames_are_said(small_trial):
     change(small_trial, "trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "")
     start = small_trial / "start.csv"
