@@ -39,6 +39,8 @@ _GUESS_FRAMES = 30
 """Frames with which the guesses are tried."""
 _MOST_WAND_FRAMES = 300
 """Frames that are adjusted: more add time and nothing else."""
+_MOST_OFF = 0.01
+"""An error above this part of the picture's longer side is that of another place."""
 _RANSAC_PX = 3.0
 _STIFF_END = 10.0
 """The length of the wand is known that many times better than a pixel."""
@@ -128,7 +130,8 @@ def calibrate_by_wand(wand: WandSightings) -> WandFit:
     Raises
     ------
     CalibrationError
-        If there is one view only, views share too few frames, or they do not determine cameras.
+        If there is one view only, views share too few frames, they do not determine cameras, or
+        a view does not agree with the others in most frames.
     """
     names = wand.names
     if len(names) < 2:
@@ -157,7 +160,24 @@ def calibrate_by_wand(wand: WandSightings) -> WandFit:
         aside |= dict(
             zip(zip(worst["view"], worst["frame"], strict=True), worst["error_px"], strict=True)
         )
-    return WandFit(cameras=_upright(wand, found), errors=_with_dropped(errors, aside))
+    errors = _with_dropped(errors, aside)
+    _check_agreement(wand, errors)
+    return WandFit(cameras=_upright(wand, found), errors=errors)
+
+
+def _check_agreement(wand: WandSightings, errors: pd.DataFrame) -> None:
+    """Refuse cameras of which one does not show the wand where the others do, in most frames."""
+    for name, size in zip(wand.names, wand.sizes, strict=True):
+        own = errors[errors["view"] == name]
+        limit = _MOST_OFF * max(size)
+        kept = int((~own["set_aside"].to_numpy(bool) & (own["error_px"] < limit)).sum())
+        if kept < max(FEWEST_FRAMES, len(own) / 2):
+            raise CalibrationError(
+                f"view {name!r} agrees with the others in {kept} of {len(own)} frames of the wand "
+                f"(median error {own['error_px'].median():.1f} px): it, or one of them, has frames "
+                "of other instants, a mirrored or turned picture, a size that is not that of its "
+                "picture, or a camera that was moved; mend that view, or leave it out."
+            )
 
 
 def _with_dropped(errors: pd.DataFrame, aside: Mapping[tuple[str, int], float]) -> pd.DataFrame:

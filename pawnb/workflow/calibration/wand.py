@@ -132,7 +132,7 @@ def calibrate_from_wand(
     InputError
         If the table, the length, a size or a lens is wrong.
     CalibrationError
-        If the wand does not determine the cameras.
+        If the wand does not determine the cameras, or was seen outside the pictures.
     """
     if not (np.isfinite(length) and length > 0):
         raise InputError(f"the wand is {length:g} long; expected a length above 0.")
@@ -224,6 +224,7 @@ def calibrate_ends(
     WandFit
         The cameras, and the error of each place of the wand by frame.
     """
+    _check_inside(table, sizes)
     frames, uv = _as_array(table, tuple(sizes))
     wand = WandSightings(
         names=tuple(sizes), sizes=tuple(sizes.values()), length=length, uv=uv, lenses=lenses
@@ -231,6 +232,21 @@ def calibrate_ends(
     fit = calibrate_by_wand(wand)
     errors = fit.errors.assign(frame=frames[fit.errors["frame"].to_numpy(int)])
     return WandFit(cameras=fit.cameras, errors=errors)
+
+
+def _check_inside(table: pd.DataFrame, sizes: Mapping[str, tuple[int, int]]) -> None:
+    """Refuse ends of the wand that lie outside the pictures, whose size is then another."""
+    for name, size in sizes.items():
+        own = table[table["view"].astype(str) == name]
+        for axis, most in zip("uv", size, strict=True):
+            off = own[(own[axis] < -1.0) | (own[axis] > most + 1.0)]
+            if len(off):
+                row = off.iloc[0]
+                raise InputError(
+                    f"view {name!r}: {axis} is {row[axis]:g} in frame {row['frame']:g}, outside "
+                    f"its picture of {size[0]} x {size[1]} px; give the width and height of the "
+                    "pictures that were clicked, one a view where they differ."
+                )
 
 
 def _as_array(table: pd.DataFrame, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -12,11 +12,16 @@ LENGTH = 100.0
 N = 30
 
 
-def wand(*, bent=False, noise_px=0.2, n=N, change=None):
+def wand(*, bent=False, noise_px=0.2, n=N, change=None, smooth=False):
     """The true cameras, both ends in space, and what was seen of them."""
     rng = np.random.default_rng(0)
     cameras = [(K, D if bent else np.zeros(5), R, t) for K, D, R, t in true_cameras()]
     middle, along = rng.uniform(-90.0, 90.0, (n, 3)), rng.normal(size=(n, 3))
+    if smooth:
+        t = np.linspace(0.0, 6.0, n)
+        middle = 80.0 * np.stack([np.sin(1.3 * t), np.sin(2.1 * t + 1), np.sin(3.1 * t)], axis=1)
+        across = np.sin(2 * t)
+        along = np.stack([across * np.cos(t), across * np.sin(1.7 * t), np.cos(2 * t)], axis=1)
     along *= LENGTH / 2 / np.linalg.norm(along, axis=1, keepdims=True)
     xyz = np.stack([middle - along, middle + along], axis=1)
     uv = np.stack([shown(camera, xyz.reshape(-1, 3)).reshape(n, 2, 2) for camera in cameras])
@@ -88,3 +93,21 @@ def test_what_does_not_determine_the_cameras_is_told():
     alone = WandSightings(names=("left",), sizes=(SIZE,), length=LENGTH, uv=seen.uv[:1])
     with pytest.raises(CalibrationError, match=r"one view only \(left\)"):
         calibrate_by_wand(alone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["later", "mirrored"])
+def test_a_view_that_does_not_agree_is_told(how):
+    """Cameras came out with errors of many px, or of no frame of a view at all."""
+
+    def spoil(uv):
+        # a wand that goes on its way smoothly, of which one view is late or mirrored
+        if how == "later":
+            uv[2, 3:] = uv[2, :-3].copy()
+        else:
+            uv[2, ..., 0] = SIZE[0] - 1 - uv[2, ..., 0]
+
+    with pytest.raises(
+        CalibrationError, match=r"^view '\w+' agrees with the others in \d+ of \d+ frames"
+    ):
+        calibrate_by_wand(wand(change=spoil, smooth=True, n=60)[1])

@@ -82,6 +82,9 @@ def test_what_is_wrong_with_the_table_is_one_sentence(scene, capsys):
     assert "views a are named, but ends.csv has left, middle, right" in said(
         "--wand", "100", *size, "--views", "a"
     )
+    turned = said("--wand", "100", "--size", "240x640")
+    assert turned.startswith("pawnb: view 'left': u is ")
+    assert "outside its picture of 240 x 640 px" in turned
     third = pd.concat([table, table.iloc[:1].assign(point="grip")])
     assert "3 points (red, tip, grip); expected two" in said("--wand", "100", *size, table=third)
     twice = pd.concat([table, table.iloc[:1]])
