@@ -112,7 +112,10 @@ def read_cameras(path: str | Path, *more: str | Path) -> list[Camera]:
     >>> [camera.name for camera in pawnb.io.read_cameras(path)]
     ['cam1', 'cam2']
     """
-    cameras = [camera for one in (path, *more) for camera in _read_file(Path(one))]
+    paths = [Path(one) for one in (path, *more)]
+    # intri.yml is read with extri.yml beside it: naming both is naming one
+    paths = [one for i, one in enumerate(paths) if not set(_beside(one)) & set(paths[:i])]
+    cameras = [camera for one in paths for camera in _read_file(one)]
     names = [camera.name for camera in cameras]
     twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
     if twice is not None:
@@ -168,11 +171,9 @@ def _read_toml(path: Path, text: str) -> list[Camera]:
 def _read_opencv(path: Path, text: str) -> list[Camera]:
     """Read the matrices of a FileStorage, with those of ``extri`` beside ``intri``."""
     found = _matrices(text, path.name)
-    for own, other in (("intri", "extri"), ("extri", "intri")):
-        beside = path.with_name(path.name.replace(own, other))
-        if own in path.name and beside != path and beside.is_file():
-            more = read_text(beside, expected=_EXPECTED, most_bytes=2**24, error=CalibrationError)
-            found = {**_matrices(more, beside.name), **found}
+    for beside in _beside(path):
+        more = read_text(beside, expected=_EXPECTED, most_bytes=2**24, error=CalibrationError)
+        found = {**_matrices(more, beside.name), **found}
     if {"M1", "M2", "R", "T"} <= found.keys():  # the first camera is the origin
         pairs = {
             "1": (found["M1"], found.get("D1"), np.eye(3), np.zeros(3)),
@@ -202,6 +203,15 @@ def _read_opencv(path: Path, text: str) -> list[Camera]:
             f"of a camera ({', '.join(_INTRINSIC[:3])}); expected {_EXPECTED}."
         )
     return cameras
+
+
+def _beside(path: Path) -> list[Path]:
+    """Return ``extri`` beside ``intri`` or the other way round, where it is there."""
+    return [
+        beside
+        for own, other in (("intri", "extri"), ("extri", "intri"))
+        if own in path.name and (beside := path.with_name(path.name.replace(own, other))).is_file()
+    ]
 
 
 def _none(values: FloatArray | None) -> Any:
@@ -289,10 +299,21 @@ def _camera(
             f"{where}: {len(D)} distortion coefficients; expected 4, 5, 8, 12 or 14."
         )
     R, t = _array(rotation, "rotation", where), _array(translation, "translation", where).ravel()
+    if R.size == 3 and np.linalg.norm(R) > 2 * np.pi:
+        raise CalibrationError(
+            f"{where}: rotation is a vector {np.linalg.norm(R):.1f} long; expected an axis times "
+            "an angle in radians, 6.28 at most (degrees?)."
+        )
     if R.size == 3:
         R = Rotation.from_rotvec(R.ravel()).as_matrix()
     if R.shape != (3, 3) or not np.allclose(R @ R.T, np.eye(3), atol=1e-3):
         raise CalibrationError(f"{where}: rotation is none; expected a vector of 3, or a matrix.")
+    if np.linalg.det(R) < 0:
+        raise CalibrationError(
+            f"{where}: rotation mirrors space (its determinant is -1): axes or pictures were "
+            "flipped when it was made; expected right-handed axes, with x to the right, y down and "
+            "z forwards in the camera."
+        )
     if t.shape != (3,):
         raise CalibrationError(f"{where}: translation has {t.size} numbers; expected 3.")
     pair = (

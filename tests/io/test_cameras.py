@@ -237,6 +237,7 @@ def test_coefficients_of_a_program_are_moved_to_our_pixels(tmp_path, capsys, pro
         ("900.0", '"x"', r"matrix is missing or no numbers"),
         ("distortions = [-0.21, ", "distortions = [", r"\[cam_0\]: 4 distortion|none of a camera|"),
         ("rotation = [0.1, ", "rotation = [", r"\[cam_0\]: rotation is none"),
+        ("rotation = [0.1, ", "rotation = [50.1, ", r"rotation is a vector 50.* in radians"),
         ("translation = [5.0, ", "translation = [", r"\[cam_0\]: translation has 2 numbers"),
         ("[cam_0]", "[cam_0]\nfisheye = true", r"\[cam_0\] is a fisheye lens"),
         ('name = "right"', 'name = "left"', "two cameras are called 'left'"),
@@ -254,6 +255,34 @@ def test_a_file_that_is_no_calibration_says_why(tmp_path, old, new, message):
     with pytest.raises(CalibrationError, match=message) as caught:
         read_cameras(path)
     assert "\n" not in str(caught.value)
+
+
+def test_a_rotation_that_mirrors_is_refused(tmp_path):
+    (path,) = anipose(tmp_path / "c.toml")
+    lines = path.read_text().splitlines()
+    at = next(i for i, line in enumerate(lines) if line.startswith("rotation"))
+    lines[at] = "rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]"
+    path.write_text("\n".join(lines))
+    with pytest.raises(CalibrationError, match=r"\[cam_0\]: rotation mirrors space"):
+        read_cameras(path)
+
+
+def test_intrinsics_and_extrinsics_may_both_be_named(tmp_path):
+    numbers = {
+        "K": np.diag([900.0, 900.0, 1.0]),
+        "Rot": np.eye(3),
+        "T": np.array([[0.0, 0, 500]]).T,
+    }
+    for name, kinds in (("intri.yml", ("K",)), ("extri.yml", ("Rot", "T"))):
+        file = cv2.FileStorage(str(tmp_path / name), cv2.FILE_STORAGE_WRITE)
+        for kind in kinds:
+            file.write(f"{kind}_left", numbers[kind])
+        file.release()
+    both = [tmp_path / "intri.yml", tmp_path / "extri.yml"]
+    for paths in (both[:1], both, both[::-1]):
+        (camera,) = read_cameras(*paths)
+        assert camera.name == "left"
+        assert camera.translation.tolist() == [0.0, 0.0, 500.0]
 
 
 @pytest.mark.parametrize("kind", WRITERS)
