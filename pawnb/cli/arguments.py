@@ -170,7 +170,10 @@ def _add_batch(parsers: Any) -> None:
     text = "track many trials, one process each; run again, it goes on where it stopped"
     command = parsers.add_parser("batch", help=text, description=text, epilog=_VERDICT)
     command.add_argument(
-        "trials", nargs="+", metavar="TRIAL", help="trials, or folders that hold folders of trials"
+        "trials",
+        nargs="+",
+        metavar="TRIAL",
+        help="trials, or folders of trials, such as one an animal",
     )
     where = command.add_mutually_exclusive_group()
     where.add_argument("--workers", type=int, help="trials at once on this machine (default: 1)")

@@ -14,6 +14,30 @@ from pawnb.trial.document import trial_document, trial_from_document
 VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts")
 
 
+_DEEPEST = 3
+
+
+def find_trial_files(folder: str | Path) -> list[Path]:
+    """Return every ``trial.toml`` in a folder, in its folders, in theirs and in those of these.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder; those whose name begins with a dot are passed over.
+
+    Returns
+    -------
+    list of Path
+        The files in the order of their names; empty where there is none.
+    """
+    folder = Path(folder)
+    found: list[Path] = []
+    for depth in range(_DEEPEST + 1):
+        found += folder.glob("/".join([*["*"] * depth, "trial.toml"]))
+    hidden = (file for file in found if any(p[0] == "." for p in file.relative_to(folder).parts))
+    return sorted(set(found).difference(hidden))
+
+
 def load_trial(path: str | Path) -> Trial:
     """Read ``trial.toml``.
 

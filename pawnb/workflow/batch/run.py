@@ -24,6 +24,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.files import child_folder
 from pawnb.schema import each_of
 from pawnb.trial import Trial, load_trial
+from pawnb.trial.file import find_trial_files
 from pawnb.workflow.batch.places import Places, Processes
 from pawnb.workflow.batch.scheduler import Scheduler
 from pawnb.workflow.interrupt import interruptible
@@ -106,7 +107,8 @@ def batch(
     Parameters
     ----------
     trials : str, Path, or sequence of them
-        ``trial.toml`` files, folders that hold one, or folders of such folders.
+        ``trial.toml`` files, folders that hold one, or folders of such folders, such as one
+        folder an animal.
     method : str, optional
         Method of the tracker; default that of each kind of trial.
     settings : mapping, optional
@@ -199,7 +201,7 @@ def _note(job: _Job) -> None:
 
 
 def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:
-    """Return the folders or files of trials; a folder without one stands for those in it.
+    """Return the folders or files of trials; a folder without one stands for those below it.
 
     Parameters
     ----------
@@ -220,11 +222,9 @@ def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:
 
     def each() -> Iterator[Path]:
         for path in map(Path, each_of(trials, what="trials")):
-            inner = sorted(path.glob("*/trial.toml")) if path.is_dir() else []
-            if inner and not (path / "trial.toml").exists():
-                yield from (toml.parent for toml in inner)
-            else:
-                yield path
+            is_trial = not path.is_dir() or (path / "trial.toml").exists()
+            inner = [] if is_trial else find_trial_files(path)
+            yield from [toml.parent for toml in inner] or [path]
 
     for path in each():
         toml = path / "trial.toml" if path.is_dir() else path

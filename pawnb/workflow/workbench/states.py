@@ -14,6 +14,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.io.journal import read_journal
 from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, load_trial
+from pawnb.trial.file import find_trial_files
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import find_fault, known_files
@@ -34,7 +35,6 @@ WORK_STEPS: dict[Step, str] = {
 """What can come next, and what its button says."""
 DONE = ("described", "calibrated", "started", "tracked", "reviewed", "analysed")
 """What a trial can be, in the order of the work."""
-_DEEPEST = 3
 
 
 @dataclass(frozen=True)
@@ -167,10 +167,7 @@ def find_states(folder: str | Path) -> list[TrialState]:
     folder = Path(folder)
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder.")
-    files: list[Path] = []
-    for depth in range(_DEEPEST + 1):
-        files += folder.glob("/".join([*["*"] * depth, "trial.toml"]))
-    return [state_of(file) for file in sorted(files)]
+    return [state_of(file) for file in find_trial_files(folder)]
 
 
 def states_table(states: Sequence[TrialState]) -> pd.DataFrame:

@@ -215,6 +215,16 @@ def test_trials_are_found_in_folders_and_counted_once(trials):
         batch([trials], workers=0)
 
 
+def test_a_folder_an_animal_is_looked_into_as_well(tmp_path):
+    """A pilot trial beside the folders of animals was tracked alone, and nothing said so."""
+    for name in ("pilot", "m07/day 1", "m07/day2", "lesion/m08/day1", ".trash/old"):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "trial.toml").write_text("")
+    found = [path.relative_to(tmp_path).as_posix() for path in find_trials(tmp_path)]
+    assert found == ["lesion/m08/day1", "m07/day 1", "m07/day2", "pilot"]
+    assert find_trials(tmp_path / "pilot") == [tmp_path / "pilot"]
+
+
 def test_the_command_ends_with_status_2_and_a_sentence_each(trials, capsys):
     (trials / "a" / "start_pose.csv").unlink()
     assert main(["batch", str(trials / "a"), str(trials / "broken")]) == 2
