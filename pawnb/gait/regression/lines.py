@@ -300,15 +300,16 @@ def slope_over_animals(
         for a power law.
     """
     x, y, names = _points(x, y, animals, level)
+    who = np.asarray(names).astype(str)
+    usable = {name for name in set(who.tolist()) if differ(x[who == name])}
     if kind == "power":
         _check_positive(x, y)
         x, y = np.log(x), np.log(y)
-    who = np.asarray(names).astype(str)
     slopes, intercepts = {}, {}
     for name in sorted(set(who.tolist())):
         own, high = x[who == name], y[who == name]
         away = own - own.mean()
-        if np.ptp(own) > 1e-12 * np.abs(own).max():
+        if name in usable:
             slopes[name] = float(away @ high / (away @ away))
             intercepts[name] = float(high.mean() - slopes[name] * own.mean())
     if len(slopes) < 2:
@@ -362,6 +363,11 @@ def _least_squares(
     )  # fmt: skip
 
 
+def differ(x: FloatArray) -> bool:
+    """Say whether values differ by more than rounding: those of a belt of one speed do not."""
+    return len(x) > 0 and bool(np.ptp(x) > _EQUAL_SHARE * np.abs(x).max())
+
+
 def _points(
     x: FloatArray, y: FloatArray, animals: Sequence[str] | None, level: float
 ) -> tuple[FloatArray, FloatArray, np.ndarray | None]:
@@ -376,8 +382,7 @@ def _points(
     check_level(level)
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
-    # what differs by rounding only is equal: a belt of one speed
-    if len(x) < LEAST_POINTS or np.ptp(x) <= _EQUAL_SHARE * np.abs(x).max():
+    if len(x) < LEAST_POINTS or not differ(x):
         found = f"{len(x)} points" if len(x) < LEAST_POINTS else "all x are equal"
         raise InputError(
             f"regression: {found}; expected at least {LEAST_POINTS} points with different x."

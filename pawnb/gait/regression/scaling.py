@@ -12,6 +12,7 @@ from pawnb.errors import InputError
 from pawnb.gait.inference.linear_fit import AnimalSlopes, Line
 from pawnb.gait.regression.lines import (
     compare_slope,
+    differ,
     fit_line,
     fit_power,
     fit_rma,
@@ -327,8 +328,8 @@ def animal_slopes(
     AnimalSlopes or None
         See :func:`pawnb.gait.regression.slope_over_animals`.
     """
-    groups = points.groupby("animal")[predictor]
-    if int((groups.max() > groups.min()).sum()) < 2:
+    each = points.groupby("animal")[predictor]
+    if sum(differ(own.to_numpy(float)) for _, own in each) < 2:
         return None
     return slope_over_animals(
         points[predictor].to_numpy(float),

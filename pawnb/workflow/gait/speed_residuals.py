@@ -9,6 +9,7 @@ from __future__ import annotations
 import pandas as pd
 
 from pawnb.gait.regression import fit_line
+from pawnb.gait.regression.lines import differ
 from pawnb.workflow.gait.statistics import known_measures
 
 RESIDUAL_COLUMNS = (
@@ -38,9 +39,11 @@ def speed_residuals(strides: pd.DataFrame) -> pd.DataFrame:
     parts = []
     for measure in measures:
         known = means[["speed", measure]].dropna()
-        if known["speed"].nunique() < _FEWEST_FOR_LINE or known[measure].nunique() < 2:
-            continue
         speed, value = known["speed"].to_numpy(float), known[measure].to_numpy(float)
+        if known["speed"].nunique() < _FEWEST_FOR_LINE or not differ(speed):
+            continue
+        if known[measure].nunique() < 2:
+            continue
         line = fit_line(speed, value)
         expected = line.a + line.b * speed
         own = pd.DataFrame(

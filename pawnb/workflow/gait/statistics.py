@@ -17,6 +17,7 @@ from pawnb.gait.cycles.joint_signals import joint_signals
 from pawnb.gait.groups import adjust_p, compare_groups
 from pawnb.gait.groups.animal_summary import summarise_animals
 from pawnb.gait.joints import get_joint_angles, joint_range_table
+from pawnb.gait.regression.lines import differ
 from pawnb.gait.regression.phase_slopes import phase_speed_table
 from pawnb.gait.regression.scaling import speed_table
 from pawnb.gait.selection import steadiness
@@ -203,8 +204,8 @@ def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:
     parts = []
     for outcome in AGAINST_SPEED:
         for x in usable:
-            known = means[[outcome, x]].dropna()
-            if len(known) >= _FEWEST_FOR_SLOPE and known[x].nunique() >= _FEWEST_FOR_SLOPE:
+            known = means[[outcome, x]].dropna()[x]
+            if known.nunique() >= _FEWEST_FOR_SLOPE and differ(known.to_numpy(float)):
                 parts.append(speed_table(strides, [outcome], [x]))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
 

@@ -166,3 +166,18 @@ def test_false_alarms_where_animals_differ_in_slope():
 def test_bad_arguments_are_refused(call, message):
     with pytest.raises(InputError, match=message):
         call(strides_of_many())
+
+
+def test_trials_of_one_speed_but_for_rounding_have_no_slope_within():
+    """A belt of one speed: means of as many strides of it differ in their last digit."""
+    rows = [
+        ("a", 300.0, 4.0),
+        ("a", float(np.nextafter(300.0, 301.0)), 4.1),
+        ("b", 200.0, 3.0),
+        ("b", 250.0, 3.4),
+    ]
+    assert rows[1][1] > 300.0
+    points = pd.DataFrame(rows, columns=["animal", "speed", "y"])
+    row = speed_table(points, ["y"]).iloc[0]
+    assert (row["n_points"], row["n_animals"], row["n_slopes"]) == (4, 2, 0)
+    assert np.isnan(row["p"])

@@ -305,3 +305,15 @@ def test_body_angles_of_the_trials_that_name_a_body():
     angles = found[["roll_deg", "pitch_deg", "yaw_deg"]]
     np.testing.assert_allclose(angles, [[0.0, 45.0, 30.0]] * 2, atol=1e-9)
     assert body_angles_of([(tracks, plain)]).empty
+
+
+def test_a_belt_of_one_speed_is_no_axis_to_fit_on():
+    """Means of so many strides at 300 differ in their last digit: no reason to refuse the gait."""
+    tables, _ = two_groups()
+    order = tables.strides.groupby(["animal", "trial"]).ngroup()
+    strides = tables.strides.assign(speed=300.0 + 1e-13 * order)
+    assert strides["speed"].nunique() > 2
+    found, notes = statistics_tables(dataclasses.replace(tables, strides=strides))
+    assert "against_speed" not in found
+    assert notes == []
+    assert "animals" in found

@@ -35,3 +35,6 @@ def test_too_few_speeds_give_none():
     assert speed_residuals(strides([100.0, 200.0, 300.0, 300.0], np.zeros(4))).empty
     assert speed_residuals(strides([100.0] * 5, np.arange(5.0))).empty
     assert speed_residuals(strides([np.nan] * 5, np.arange(5.0))).empty
+    rounded = np.nextafter(300.0, 301.0) + np.arange(5) * 1e-13
+    assert len(set(rounded)) > 3  # a belt of one speed, but for rounding
+    assert speed_residuals(strides(rounded, np.arange(5.0))).empty
