@@ -1,7 +1,7 @@
 """Tracks of a trial whose ``trial.toml`` was mended after it was tracked.
 
-A frame rate or a scale that was wrong does not change where points are in the pictures, so the
-tracks are brought to what the trial says now. What does change it is said.
+A frame rate, a scale or a belt speed that was wrong does not change where points are in the
+pictures, so the tracks are brought to what the trial says now. What does change it is said.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from pawnb.errors import InputWarning
 from pawnb.schema import Tracks
@@ -26,7 +27,7 @@ _EVEN = 1e-3
 
 
 def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
-    """Bring tracks that pawnb made of a trial to the frame rate and the scale it has now.
+    """Bring tracks that pawnb made of a trial to its frame rate, scale and belt speed of now.
 
     Parameters
     ----------
@@ -50,6 +51,7 @@ def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
     before = json.loads(tracks.attrs["trial"])
     said: list[str] = []
     now = _rescaled(_retimed(tracks, trial, said), before, trial, said)
+    now = _on_belt(now, trial, said)
     again = changed_inputs(tracks, trial)
     sizes = json.loads(tracks.attrs["pictures_px"]) if "pictures_px" in tracks.attrs else None
     if said:
@@ -177,6 +179,30 @@ def _rescaled(tracks: Tracks, before: dict[str, Any], trial: Trial, said: list[s
         if name in tracks
     }
     return tracks.assign(scaled).assign_attrs(units=unit)
+
+
+def _on_belt(tracks: Tracks, trial: Trial, said: list[str]) -> Tracks:
+    """Bring the speed of the belt to that of the trial."""
+    named = trial.belt_speed
+    if isinstance(named, str) and not trial.path(named).is_file():
+        return tracks  # which carry what was in it
+    old = tracks.get("belt_speed")
+    bare = tracks.drop_vars("belt_speed", errors="ignore")
+    new = describe_trial(bare, trial).get("belt_speed")
+    if old is None and new is None:
+        return tracks
+    if old is not None and new is not None and np.allclose(old, new, equal_nan=True):
+        return tracks
+    said.append(f"belt_speed was changed from {_speed(old)} to {_speed(new)}")
+    return bare if new is None else bare.assign(belt_speed=new)
+
+
+def _speed(belt: xr.DataArray | None) -> str:
+    """Return the speed of a belt, or its range, or that there was none."""
+    if belt is None:
+        return "none"
+    low, high = float(belt.min()), float(belt.max())
+    return f"{low:g}" if math.isclose(low, high) else f"{low:g} ... {high:g}"
 
 
 def _number(value: float | None) -> str:

@@ -95,6 +95,27 @@ def test_a_scale_that_comes_later_changes_or_goes(trial):
     np.testing.assert_allclose(back["position"], tracks["position"])
 
 
+def test_a_belt_speed_that_was_wrong(trial, recwarn):
+    """The tracks carry that which was stated when they were made."""
+    slow = tracked(replace(trial, belt_speed=100.0))
+    assert as_described_now(slow, replace(trial, belt_speed=100.0)) is slow
+    assert not recwarn.list
+    with pytest.warns(InputWarning, match=r"^t: since .*, belt_speed was changed from 100 to 300"):
+        now = as_described_now(slow, replace(trial, belt_speed=300.0))
+    assert (now["belt_speed"] == 300.0).all()
+    with pytest.warns(InputWarning, match="belt_speed was changed from 100 to none"):
+        assert "belt_speed" not in as_described_now(slow, trial)
+    (trial.folder / "belt.csv").write_text("frame,speed\n0,100\n39,178\n")
+    by_file = replace(trial, belt_speed="belt.csv")
+    with pytest.warns(InputWarning, match="belt_speed was changed from 100 to 100 ... 178"):
+        now = as_described_now(slow, by_file)
+    assert now["belt_speed"].to_numpy()[-1] == 178.0
+    (trial.folder / "belt.csv").unlink()  # results alone were brought to another computer
+    recwarn.clear()
+    assert as_described_now(now, by_file) is now
+    assert not recwarn.list
+
+
 def test_clicks_and_calibrations_that_were_changed_need_tracking_again(trial):
     tracks = tracked(trial)
     (trial.folder / "DLT.csv").write_text("1\n" * 11)
