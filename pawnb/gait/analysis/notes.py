@@ -38,6 +38,11 @@ class Note(str):
         return note
 
 
+def trial_of(animal: str, trial: str) -> str:
+    """Return what notes call a trial of which other animals have one of the same name."""
+    return f"{animal} {trial}"
+
+
 def alike_in_one(notes: Sequence[str]) -> list[str]:
     """Return notes, of many trials' that differ in their numbers alone the first one.
 

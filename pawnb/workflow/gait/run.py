@@ -31,7 +31,7 @@ from pawnb.workflow.gait.inputs import (
     tracks_of,
 )
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
-from pawnb.workflow.gait.source_notes import notes_on_sources, notes_on_trials
+from pawnb.workflow.gait.source_notes import notes_on_sources, notes_on_trials, say_whose_trial
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.statistics import (
@@ -359,6 +359,7 @@ def _analysed(
     check_alike(parts)
     if len(parts) == 1:
         return parts, parts[0]
+    parts = say_whose_trial(parts)
     return parts, gait.pool(parts, settings=_common(request, study))
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 
 from pawnb.arrays import FloatArray
+from pawnb.gait import GaitTables
+from pawnb.gait.analysis.notes import Note, trial_of
 from pawnb.io.deeplabcut import PICTURES
 from pawnb.io.format_table import find_entry
 from pawnb.io.formats import recognise_format
@@ -45,6 +50,43 @@ def notes_on_sources(sources: Sequence[GaitSource], animals: Sequence[str] | Non
     return [*whose, *own, *_same_recordings(sources), *_units_taken(sources)]
 
 
+def say_whose_trial(parts: Sequence[GaitTables]) -> list[GaitTables]:
+    """Say of the notes on a trial whose it is, where several animals have one of its name.
+
+    Parameters
+    ----------
+    parts : sequence of GaitTables
+        The analysis of each input.
+
+    Returns
+    -------
+    list of GaitTables
+        The same; notes on the trial ``day1`` of ``m07`` belong to ``m07 day1`` where other inputs
+        have a ``day1``, too.
+    """
+    names = Counter(trial for part in parts for trial in {b.who["trial"] for b in part.bases})
+    told = []
+    for part in parts:
+        whose = {}
+        for name in {basis.who["trial"] for basis in part.bases if names[basis.who["trial"]] > 1}:
+            animals = [basis.who["animal"] for basis in part.bases if basis.who["trial"] == name]
+            whose[name] = trial_of(" and ".join(animals), name)
+        notes = [Note(note) for note in part.notes]
+        told.append(
+            replace(
+                part,
+                notes=tuple(Note(n.what, where=whose.get(n.where, n.where)) for n in notes),
+            )
+        )
+    return told
+
+
+def _called(some: Iterable[tuple[str, str]], trials: Iterable[tuple[str, str]]) -> list[str]:
+    """Return the names of some trials, with the animal's where another one has such a trial."""
+    names = Counter(trial for _, trial in trials)
+    return [trial if names[trial] == 1 else trial_of(animal, trial) for animal, trial in some]
+
+
 def notes_on_trials(
     sources: Sequence[GaitSource], events: pd.DataFrame, groups: Mapping[tuple[str, str], str]
 ) -> list[str]:
@@ -64,7 +106,43 @@ def notes_on_trials(
     list of str
         The notes.
     """
-    return [*_missing_legs(events), *_rates_of_groups(sources, groups)]
+    who = events[["animal", "trial"]].drop_duplicates().astype(str)
+    trials = list(who.itertuples(index=False, name=None))
+    return [
+        *_spelt_alike("animals", (animal for animal, _ in trials)),
+        *_spelt_alike("groups", groups.values()),
+        *_without_group(trials, groups),
+        *_missing_legs(events),
+        *_rates_of_groups(sources, groups),
+    ]
+
+
+def _spelt_alike(what: str, names: Iterable[str]) -> list[str]:
+    """Say which names differ in capitals, spaces, hyphens and underscores only."""
+    alike: dict[str, list[str]] = {}
+    for name in dict.fromkeys(names):
+        alike.setdefault(re.sub(r"[\s_-]+", "", name).casefold(), []).append(name)
+    return [
+        f"{' and '.join(same)} count as {len(same)} {what}: where they are one, write the name "
+        "alike everywhere and run this again."
+        for same in alike.values()
+        if len(same) > 1
+    ]
+
+
+def _without_group(
+    trials: Sequence[tuple[str, str]], groups: Mapping[tuple[str, str], str]
+) -> list[str]:
+    """Say which trials have no group, where others have one."""
+    if not groups:
+        return []
+    lost = _called([one for one in trials if one not in groups], trials)
+    if not lost:
+        return []
+    return [
+        f"no group is given for {', '.join(lost)}: left out where groups are compared, and "
+        "counted in all other tables."
+    ]
 
 
 def _missing_legs(events: pd.DataFrame) -> list[str]:
@@ -73,7 +151,7 @@ def _missing_legs(events: pd.DataFrame) -> list[str]:
     has = pd.crosstab(trials, events["leg"].astype(str)) > 0
     notes = []
     for leg in has.columns[~has.all() & (has.mean() > _MOST)]:
-        without = ", ".join(dict.fromkeys(trial for _, trial in has.index[~has[leg]]))
+        without = ", ".join(_called(has.index[~has[leg]], has.index))
         animals = has[leg].groupby(level=0).any()
         notes.append(
             f"{leg} has no event in {without}: what is said of it counts {int(animals.sum())} of "

@@ -7,12 +7,14 @@ import shutil
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.text import Text
 from trotting import FPS, walking_tracks
 
 from pawnb.errors import InputError
 from pawnb.io.native import write_tracks
 from pawnb.schema import make_tracks
 from pawnb.synthetic import write_deeplabcut_sample
+from pawnb.workflow.gait.drawing.drawings import gait_drawings
 from pawnb.workflow.gait.run import run_gait
 
 
@@ -179,3 +181,35 @@ def test_points_of_views_are_in_px_and_nothing_is_said_of_mm(sample):
     _, said = notes(sample, sample / "out")
     assert any("(side)" in note for note in said)
     assert not any("taken to be in mm" in note for note in said)
+
+
+def test_trials_of_one_name_are_told_apart_and_names_spelt_alike_are_told(tmp_path):
+    """Every animal has a day1; of one its left hind paw was not labelled."""
+    files = write_deeplabcut_sample(tmp_path / "s", animals=4, seconds=1.5)
+    lines = files[1].read_text().splitlines()
+    last = {k for k, name in enumerate(lines[1].split(",")) if name == "hindpaw_L"}
+    kept = [[c for k, c in enumerate(line.split(",")) if k not in last] for line in lines]
+    files[1].write_text("\n".join(",".join(cells) for cells in kept) + "\n")
+    rows = ["file,animal,name,group,fps"]
+    whose = (("m1", "control"), ("m2", "Control"), ("M-2", "lesion"), ("m3", ""))
+    for file, (animal, group) in zip(files, whose, strict=True):
+        rows.append(f"{file.name},{animal},day1,{group},200")
+    (tmp_path / "s" / "study.csv").write_text("\n".join(rows) + "\n")
+    run, said = notes(tmp_path / "s" / "study.csv", tmp_path / "out")
+    assert any(note.startswith("HL has no event in m2 day1: what is said") for note in said)
+    guessed = [note for note in said if "legs were guessed from the names" in note]
+    assert [note.partition(": ")[0] for note in guessed] == [f"{a} day1" for a, _ in whose]
+    where = pd.read_csv(tmp_path / "out" / "notes.csv")["where"]
+    assert {"m1 day1", "m2 day1"} <= set(where)
+    assert "day1" not in set(where)
+    assert any(
+        note.startswith("m2 and M-2 count as 2 animals: where they are one") for note in said
+    )
+    assert any(note.startswith("control and Control count as 2 groups: ") for note in said)
+    assert any(note.startswith("no group is given for m3 day1: left out where") for note in said)
+    drawings = gait_drawings(run.tables, notes=run.tables.notes)
+    page = next(one for one in drawings if one.name == "summary_m3")
+    whole = page.draw()[1].get_figure(root=True)
+    told = " ".join(text.get_text() for text in whole.findobj(Text))
+    assert "m3 day1: " in told
+    assert "m1 day1: " not in told

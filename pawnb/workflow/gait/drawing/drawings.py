@@ -14,7 +14,7 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.files import safe_name
 from pawnb.gait import GaitTables
-from pawnb.gait.analysis.notes import Note
+from pawnb.gait.analysis.notes import Note, trial_of
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.cycles import (
     HEIGHT,
@@ -243,10 +243,10 @@ def _of_strides(
 
 def _about(animal: str, strides: pd.DataFrame, notes: Sequence[str]) -> list[str]:
     """Return the notes that are about an animal: all but those about trials of others."""
-    who = strides["animal"].astype(str) == animal
-    others = set(strides.loc[~who, "trial"].astype(str)) - set(
-        strides.loc[who, "trial"].astype(str)
-    )
+    trials = strides[["animal", "trial"]].drop_duplicates().astype(str)
+    own = trials["animal"] == animal
+    others = set(trials.loc[~own, "trial"]) - set(trials.loc[own, "trial"])
+    others |= {trial_of(*one) for one in trials[~own].itertuples(index=False, name=None)}
     return [note for note in notes if not (isinstance(note, Note) and note.where in others)]
 
 
