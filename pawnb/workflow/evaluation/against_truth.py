@@ -85,7 +85,28 @@ class PointTruth:
         table = _true_points(path)
         limit, hidden = _limits(tracks, threshold_px)
         report = count_errors(tracks, table, threshold_px=limit, hidden_px=hidden)
-        return Evaluation(report.text(), {"summary": report.summary(), "errors": report.errors})
+        text = "\n".join([report.text(), *_not_compared(tracks, table)])
+        return Evaluation(text, {"summary": report.summary(), "errors": report.errors})
+
+
+def _not_compared(tracks: Tracks, truth: pd.DataFrame) -> list[str]:
+    """Say what of the truth the tracks lack: that of another trial, or of a film cut short."""
+    lost = []
+    frames = np.unique(truth["frame"].to_numpy())
+    beyond = np.setdiff1d(frames, tracks["frame"].to_numpy())
+    if len(beyond):
+        lost.append(f"{len(beyond)} of {len(frames)} frames ({beyond[0]:g} to {beyond[-1]:g})")
+    for column, dim in (("view", "view"), ("point", "keypoint")):
+        names = pd.unique(truth[column].astype(str))
+        without = [n for n in names if n not in set(map(str, tracks[dim].to_numpy()))]
+        if without:
+            lost.append(f"the {column}{'s' * (len(without) > 1)} {', '.join(without)}")
+    if not lost:
+        return []
+    return [
+        f"the tracks lack {' and '.join(lost)} of the truth, which count neither as right nor as "
+        "wrong: look whether the truth is of this trial, and the trial was tracked to its end"
+    ]
 
 
 class PoseTruth:

@@ -124,6 +124,21 @@ def test_paws_against_their_truth(rendered_trial, tmp_path):
     assert f"median distance {summary['distance, median']:.2f} px" in found.text
 
 
+def test_what_the_tracks_lack_of_the_truth_is_said(rendered_trial, tmp_path):
+    """Tracks of a film cut short were judged by what is left of it, as those of another trial."""
+    truth = rendered_trial / "truth" / "tracks.csv"
+    whole = read_tracks_table(truth, fps=250.0)
+    write_tracks(whole, tmp_path / "tracks.nc")
+    assert "the tracks lack" not in evaluate(tmp_path, truth).text
+    few = whole.isel(time=slice(0, whole.sizes["time"] - 2), keypoint=slice(1, None))
+    last = int(whole["frame"][-1])
+    write_tracks(few, tmp_path / "few.nc")
+    lost = str(whole["keypoint"].to_numpy()[0])
+    said = evaluate(tmp_path / "few.nc", truth).text.splitlines()[-1]
+    frames = f"2 of {whole.sizes['time']} frames ({last - 1} to {last})"
+    assert said.startswith(f"the tracks lack {frames} and the point {lost} of the truth, which")
+
+
 def test_the_results_of_a_trial_are_found_by_the_trial(rendered_trial, tmp_path):
     shutil.copytree(rendered_trial / "truth", tmp_path / "truth")
     shutil.copy(rendered_trial / "trial.toml", tmp_path / "trial.toml")
