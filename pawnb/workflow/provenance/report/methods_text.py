@@ -198,10 +198,11 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     for name, words in (("groups", "Groups were compared by"), ("legs", "Legs were compared by")):
         table = further.get(name)
         if table is not None and "method" in table:
-            methods = dict.fromkeys(str(m).split(",")[0] for m in table["method"].dropna())
-            named = [_TESTS.get(method, method) for method in methods]
-            said.append(f"{words} {' and '.join(named)}")
-    if "groups" in further:
+            named = [_TESTS.get(method, method) for method in _tests_made(table)]
+            said += [f"{words} {' and '.join(named)}"] if named else []
+    if "groups" in further and not _tests_made(further["groups"]):
+        said.append("Differences between groups are described and not tested (groups.csv says why)")
+    elif "groups" in further:
         design = str(further["groups"]["design"].iloc[0])
         said.append(
             f"The design is {design}; within a measure p was adjusted by Holm's method, and p over "
@@ -222,6 +223,12 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
         return ". ".join(said) + "."
     alone = ", as there is one animal only: strides are described, and nothing is tested"
     return f"No statistics over animals were made{alone if animals == 1 else ''}."
+
+
+def _tests_made(table: pd.DataFrame) -> list[str]:
+    """Return the tests in a table, each once; of what could not be tested the method is none."""
+    methods = dict.fromkeys(str(method).split(",")[0] for method in table["method"].dropna())
+    return [method for method in methods if method != "none"]
 
 
 def _dropped(tables: GaitTables) -> str:
@@ -284,7 +291,7 @@ def _sources(
     tested = "phase_summary" in further and n_animals > 1
     wanted = ["zar"] if tested else []
     wanted += ["maris"] if "curve_clusters" in further else []
-    wanted += ["holm"] if "groups" in further else []
+    wanted += ["holm"] if "groups" in further and _tests_made(further["groups"]) else []
     wanted += ["pullar"] if {"scaling", "against_speed", "joint_ranges"} & set(further) else []
     used = [made.get("method") for steps in step.get("sources", {}).values() for made in steps]
     wanted += ["paper"] if {"paper", "slic-2d", "slic-3d"} & set(used) else []

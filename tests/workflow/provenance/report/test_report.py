@@ -175,6 +175,23 @@ def test_one_animal_has_no_statistics_over_animals():
     assert text.count("Rayleigh") == 2  # the test, and its source
 
 
+def test_methods_name_only_tests_that_were_made():
+    """With one animal in a group there is none: 'compared by none', and Holm's p, was said."""
+    step = {
+        "settings": {"cutoff_hz": None}, "versions": {"pawnb": "1", "python": "3"}, "sources": {},
+    }  # fmt: skip
+    tables = analyse_events(events())
+    groups = pd.DataFrame({"method": ["none", "none"], "design": "unpaired"})
+    text = "\n".join(methods_paragraphs(tables, {"groups": groups}, step=step))
+    assert "compared by" not in text
+    assert "Holm" not in text
+    assert "Differences between groups are described and not tested" in text
+    some = groups.assign(method=["none", "Welch's t, 5.4 df"])
+    text = "\n".join(methods_paragraphs(tables, {"groups": some}, step=step))
+    assert "Groups were compared by Welch's t test of the means of animals. " in text
+    assert text.count("Holm") == 2  # the method, and its source
+
+
 def test_the_methods_say_how_points_were_tracked():
     own = make_tracks(range(10), ["FR", "FL"], fps=200.0)
     own["origin"][:] = ORIGIN_CODE["measured"]
