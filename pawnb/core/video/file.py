@@ -40,6 +40,9 @@ A decoder keeps the memory of as many as it ever had to hold.
 _SQUARE_WITHIN = 0.01
 """How far from 1 the sides of a pixel may be: less than a paw can be placed."""
 
+_MOST_BROKEN_INTO = 4
+"""Packets after a seek of which one must be known; the first may be what is left of a picture."""
+
 _MOST_REORDERED = 32
 """Packets after which a picture that has not come out never will (H.264 allows 16)."""
 
@@ -257,10 +260,10 @@ class VideoFile:
             except av.FFmpegError:
                 continue
             packets = read_packets(self._container, self._stream)
-            head = next(packets, None)
-            landed = self._index.identify(head.pos, head.dts) if head is not None else None
-            if head is not None and landed is not None and landed <= restart:
-                return self._numbered(itertools.chain([head], packets), landed, restart)
+            for head in itertools.islice(packets, _MOST_BROKEN_INTO):
+                landed = self._index.identify(head.pos, head.size, dts=head.dts)
+                if landed is not None and landed <= restart:
+                    return self._numbered(itertools.chain([head], packets), landed, restart)
         self._container.close()
         self._container, self._stream = self._open()
         packets = read_packets(self._container, self._stream)

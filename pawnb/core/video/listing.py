@@ -42,7 +42,8 @@ def list_packets(
     for packet in read_packets(container, stream, lost):
         data = bytes(packet) if looks_inside else b""
         entry = read_entry(data, name, extradata, is_key=packet.is_keyframe)
-        packets.append(Packet(packet.pts, packet.dts, packet.pos, packet.is_discard, *entry))
+        place = packet.pos, packet.size
+        packets.append(Packet(packet.pts, packet.dts, *place, packet.is_discard, *entry))
         is_partial = packet.is_corrupt
         end = max(end, (packet.pts or 0) + (packet.duration or 0))
     ending = find_ending(path, container.format.name, stream.id)

@@ -24,8 +24,8 @@ class Packet(NamedTuple):
     ----------
     pts, dts : int or None
         Time of display and of decoding, in ticks.
-    position : int or None
-        Where it begins in the file, bytes.
+    position, size : int or None
+        Where it begins in the file and how long it is, bytes.
     is_hidden : bool
         Whether it is needed for decoding only (an edit list cuts it off).
     recovery : int or None
@@ -42,6 +42,7 @@ class Packet(NamedTuple):
     pts: int | None
     dts: int | None
     position: int | None
+    size: int
     is_hidden: bool
     recovery: int | None
     is_fresh: bool = False
@@ -94,7 +95,7 @@ class PacketIndex:
         is_cut: bool = False,
         reorders: int = MOST_REORDERED,
     ) -> None:
-        pts, dts, self._positions = (_column(packets, k) for k in range(3))
+        pts, dts, self._positions, self._sizes = (_column(packets, k) for k in range(4))
         self._dts = dts
         is_lacking = dts == _UNKNOWN
         # long files have hundreds of thousands of packets: one column where one will do
@@ -194,11 +195,15 @@ class PacketIndex:
         at = _up_to(self._in_order, packet)
         return at > 0 and int(self._in_order[at - 1]) == packet
 
-    def identify(self, position: int | None, dts: int | None) -> int | None:
-        """Return which packet lies at that position, or None where that is not certain."""
+    def identify(self, position: int | None, size: int, *, dts: int | None) -> int | None:
+        """Return which packet lies at that position, or None where that is not certain.
+
+        In MPEG program streams what is left of the picture before comes first, at the
+        position and with the time of the one that was sought: only its size is another.
+        """
         if position is None or position < 0:
             return None
-        found = np.flatnonzero(self._positions == position)
+        found = np.flatnonzero((self._positions == position) & (self._sizes == size))
         if len(found) > 1 and dts is not None:
             found = found[self._dts[found] == dts]
         return int(found[0]) if len(found) == 1 else None

@@ -7,9 +7,11 @@ import pytest
 
 from pawnb.core.video.packets import Packet, PacketIndex
 
+SIZE = 90
+
 
 def packet(pts, dts, position=None, *, key=False, hidden=False, fresh=False):
-    return Packet(pts, dts, position, hidden, 0 if key else None, fresh)
+    return Packet(pts, dts, position, SIZE, hidden, 0 if key else None, fresh)
 
 
 def index(packets, **more):
@@ -91,12 +93,13 @@ def test_uneven_times_are_variable_and_rounded_ones_are_not():
 
 def test_landing_is_certain_or_nothing():
     found = index(GROUPS)
-    assert found.identify(500, 3) == 4
-    assert found.identify(501, 3) is None
-    assert found.identify(None, 3) is None
+    assert found.identify(500, SIZE, dts=3) == 4
+    assert found.identify(501, SIZE, dts=3) is None
+    assert found.identify(None, SIZE, dts=3) is None
+    assert found.identify(500, SIZE - 1, dts=3) is None
     twice = index([packet(0, 0, 100, key=True), packet(1, 1, 100), packet(2, 2, 100)])
-    assert twice.identify(100, 1) == 1
-    assert twice.identify(100, None) is None
+    assert twice.identify(100, SIZE, dts=1) == 1
+    assert twice.identify(100, SIZE, dts=None) is None
 
 
 def test_seeking_steps_back_to_the_start():

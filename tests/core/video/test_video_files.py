@@ -65,6 +65,13 @@ CLIPS = {
         ),
         ALL,
     ),
+    # a seek lands inside the picture before
+    "mpeg2-program-stream": (
+        lambda d: write_clip(
+            d / "clip.mpg", codec="mpeg2video", pix_fmt="yuv420p", options={"bf": "2", "g": "12"}
+        ),
+        ALL,
+    ),
     "ffv1-mkv": (lambda d: write_clip(d / "clip.mkv", codec="ffv1", pix_fmt="bgr0"), ALL),
     "raw-avi": (
         lambda d: write_clip(d / "clip.avi", codec="rawvideo", pix_fmt="bgr24", n=12),
