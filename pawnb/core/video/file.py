@@ -209,9 +209,15 @@ class VideoFile:
     def _list_packets(self) -> PacketIndex:
         """Read through the file once without decoding, and note where it is cut short."""
         stream = self._stream
-        index, ending = list_packets(self.path, self._container, stream)
+        index, ending, n_lost = list_packets(self.path, self._container, stream)
         if not index.n_frames:
             raise VideoError(f"{self.name}: holds no whole frame; the file is empty or cut short.")
+        if n_lost:
+            self.notes.append(
+                f"{self.name} begins in between, as films do that were cut without being encoded "
+                f"anew: pictures at its beginning ({n_lost}) rest on others that were cut off, and "
+                "are left out; frame 0 is the first after them."
+            )
         if ending is Ending.UNKNOWN:
             self.notes.append(
                 f"{self.name}: a file of this kind ({self._container.format.name}) does not tell "
@@ -311,7 +317,8 @@ class VideoFile:
                 came_from = -1 if frame.pts is None else int(frame.pts)
                 inside.discard(came_from)
                 if index.numbers is None:
-                    number = came_from if index.is_restart(came_from) else count
+                    anew = index.number_of_restart(came_from)
+                    number = count if anew is None else anew
                     count = number + 1
                 else:
                     number = int(index.numbers[came_from]) if came_from >= 0 else -1

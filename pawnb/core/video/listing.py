@@ -9,6 +9,7 @@ import av
 import numpy as np
 
 from pawnb.arrays import FloatArray
+from pawnb.core.video.beginnings import Beginning
 from pawnb.core.video.endings import Ending, find_ending
 from pawnb.core.video.packets import MOST_REORDERED, Packet, PacketIndex
 from pawnb.core.video.units import read_entry
@@ -16,7 +17,7 @@ from pawnb.core.video.units import read_entry
 
 def list_packets(
     path: Path, container: av.container.InputContainer, stream: av.video.stream.VideoStream
-) -> tuple[PacketIndex, Ending]:
+) -> tuple[PacketIndex, Ending, int]:
     """Read through a file once.
 
     Parameters
@@ -32,24 +33,29 @@ def list_packets(
         Its packets and frames.
     ending : Ending
         What is known of its end; ``CUT`` wherever pictures are missing.
+    n_lost : int
+        Pictures at the beginning that rest on others that were cut off; they are no frames.
     """
     codec = stream.codec_context
     name, extradata = codec.name, codec.extradata
     looks_inside = name in ("h264", "hevc")
     packets: list[Packet] = []
-    is_partial, end = False, 0
+    is_partial, end, beginning = False, 0, Beginning()
     lost: list[Exception] = []
     for packet in read_packets(container, stream, lost):
         data = bytes(packet) if looks_inside else b""
         entry = read_entry(data, name, extradata, is_key=packet.is_keyframe)
         place = packet.pos, packet.size
         packets.append(Packet(packet.pts, packet.dts, *place, packet.is_discard, *entry))
+        beginning.add(packet, is_restart=entry.recovery is not None)
         is_partial = packet.is_corrupt
         end = max(end, (packet.pts or 0) + (packet.duration or 0))
     ending = find_ending(path, container.format.name, stream.id)
     is_partial |= ending is Ending.CUT_IN_PICTURE
     if packets and is_partial:
         packets.pop()
+    without = beginning.lost(packets, codec)
+    packets = [p._replace(is_hidden=True) if k in without else p for k, p in enumerate(packets)]
     is_cut = is_partial or ending is Ending.CUT or bool(lost)
     is_cut = is_cut or _lacks_packets(container, stream, packets, end)
     times = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
@@ -71,7 +77,7 @@ def list_packets(
         is_cut=is_cut,
         reorders=reorders,
     )
-    return index, Ending.CUT if is_cut else ending
+    return index, Ending.CUT if is_cut else ending, len(without)
 
 
 def read_packets(

@@ -190,10 +190,11 @@ class PacketIndex:
         """Tell whether a packet gives a picture from frame ``first`` on."""
         return self.numbers is None or bool(self.numbers[packet] >= first)
 
-    def is_restart(self, packet: int) -> bool:
-        """Tell whether decoding can begin at a packet."""
+    def number_of_restart(self, packet: int) -> int | None:
+        """Return the frame from which counting begins anew at a packet, None where it does not."""
         at = _up_to(self._in_order, packet)
-        return at > 0 and int(self._in_order[at - 1]) == packet
+        is_restart = at > 0 and int(self._in_order[at - 1]) == packet
+        return self._first_of(packet) if is_restart else None
 
     def identify(self, position: int | None, size: int, *, dts: int | None) -> int | None:
         """Return which packet lies at that position, or None where that is not certain.
