@@ -8,6 +8,7 @@ and rest on what came before (the leading pictures of open groups).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import av
 
@@ -60,11 +61,11 @@ class Beginning:
 
     def _decoded(self, codec: av.CodecContext, start: int) -> set[int]:
         """Decode what was kept, and return the packets of which a sound picture comes."""
-        decoder = av.CodecContext.create(codec.name, "r")
+        decoder: Any = av.CodecContext.create(codec.name, "r")
         decoder.thread_count = 1
         if codec.extradata:
             decoder.extradata = codec.extradata
-        found = set()
+        found: set[int] = set()
         for number, packet in [*enumerate(self._kept[start:], start), (-1, None)]:
             if packet is not None:
                 packet.pts = packet.dts = number

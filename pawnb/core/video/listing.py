@@ -11,6 +11,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.video.beginnings import Beginning
 from pawnb.core.video.endings import Ending, find_ending
+from pawnb.core.video.packed import MPEG4, display_times, is_shown_at_once, unpacked
 from pawnb.core.video.packets import MOST_REORDERED, Packet, PacketIndex
 from pawnb.core.video.units import read_entry
 
@@ -40,13 +41,17 @@ def list_packets(
     name, extradata = codec.name, codec.extradata
     looks_inside = name in ("h264", "hevc")
     packets: list[Packet] = []
+    at_once: list[bool] = []
     is_partial, end, beginning = False, 0, Beginning()
     lost: list[Exception] = []
     for packet in read_packets(container, stream, lost):
         data = bytes(packet) if looks_inside else b""
-        entry = read_entry(data, name, extradata, is_key=packet.is_keyframe)
-        place = packet.pos, packet.size
-        packets.append(Packet(packet.pts, packet.dts, *place, packet.is_discard, *entry))
+        at_once.append(name == MPEG4 and is_shown_at_once(packet))
+        is_key = packet.is_keyframe and not at_once[-1]  # as is what carries one after unpacking
+        entry = read_entry(data, name, extradata, is_key=is_key)
+        packets.append(
+            Packet(packet.pts, packet.dts, packet.pos, packet.size, packet.is_discard, *entry)
+        )
         beginning.add(packet, is_restart=entry.recovery is not None)
         is_partial = packet.is_corrupt
         end = max(end, (packet.pts or 0) + (packet.duration or 0))
@@ -54,6 +59,9 @@ def list_packets(
     is_partial |= ending is Ending.CUT_IN_PICTURE
     if packets and is_partial:
         packets.pop()
+    if "avi" in container.format.name and name == MPEG4:
+        shown = display_times([p.dts for p in packets], at_once)
+        packets = [p._replace(pts=pts) for p, pts in zip(packets, shown, strict=True)]
     without = beginning.lost(packets, codec)
     packets = [p._replace(is_hidden=True) if k in without else p for k, p in enumerate(packets)]
     is_cut = is_partial or ending is Ending.CUT or bool(lost)
@@ -100,10 +108,11 @@ def read_packets(
     av.Packet
         Packets in the order of the file.
     """
+    packets: Iterator[av.Packet] = (packet for packet in container.demux(stream) if packet.size)
     try:
-        for packet in container.demux(stream):
-            if packet.size:
-                yield packet
+        if stream.codec_context.name == MPEG4:
+            packets = unpacked(packets, stream)
+        yield from packets
     except (av.FFmpegError, IndexError) as error:
         if lost is not None:
             lost.append(error)
