@@ -218,6 +218,12 @@ class VideoFile:
                 f"anew: pictures at its beginning ({n_lost}) rest on others that were cut off, and "
                 "are left out; frame 0 is the first after them."
             )
+        if index.begins_anew:
+            self.notes.append(
+                f"{self.name}: its time stamps begin anew within the file, as in recordings that "
+                "were put one behind the other; frames are taken to be evenly spaced, and nothing "
+                "is known of the time between the recordings."
+            )
         if ending is Ending.UNKNOWN:
             self.notes.append(
                 f"{self.name}: a file of this kind ({self._container.format.name}) does not tell "

@@ -84,6 +84,7 @@ def list_packets(
         rate_hz=float(stream.average_rate) if stream.average_rate else None,
         is_cut=is_cut,
         reorders=reorders,
+        counts_ticks="avi" in container.format.name,
     )
     return index, Ending.CUT if is_cut else ending, len(without)
 
@@ -128,8 +129,9 @@ def _lacks_packets(
     if stream.frames <= len(packets):
         return False
     if container.format.name == "avi" and packets:
-        # a dropped frame is an empty chunk: it is counted, moves the time on, and is no packet
-        return (packets[-1].dts or 0) + 1 < stream.frames
+        # a dropped frame is an empty chunk: it is counted, moves the time on, and is no packet;
+        # so is every other one of a film that was copied at twice its rate
+        return (packets[-1].dts or 0) + max(_times(packets)[2], 1) < stream.frames
     if "mov" not in container.format.name or not stream.duration:
         return True
     # an edit list may leave frames out: then the duration agrees with what is there

@@ -70,6 +70,8 @@ class PacketIndex:
         are left out, as a frame shown before them may be among the missing.
     reorders : int
         Most pictures that are decoded before one that is shown first.
+    counts_ticks : bool
+        Whether time stamps are counts (of the chunks of an AVI), not times rounded to ticks.
 
     Attributes
     ----------
@@ -82,6 +84,8 @@ class PacketIndex:
         Time stamps, s.
     is_variable_rate : bool
         Whether they are not evenly spaced.
+    begins_anew : bool
+        Whether time begins anew within the file; stamps are then those of an even rate.
     """
 
     def __init__(
@@ -94,6 +98,7 @@ class PacketIndex:
         rate_hz: float | None = None,
         is_cut: bool = False,
         reorders: int = MOST_REORDERED,
+        counts_ticks: bool = False,
     ) -> None:
         pts, dts, self._positions, self._sizes = (_column(packets, k) for k in range(4))
         self._dts = dts
@@ -101,7 +106,8 @@ class PacketIndex:
         # long files have hundreds of thousands of packets: one column where one will do
         self._seek_ticks = np.where(is_lacking, pts, dts) if is_lacking.any() else dts
         hidden = np.array([p.is_hidden for p in packets], bool)
-        trusted = intra_only or trusts_pts
+        self.begins_anew = _goes_back(dts)
+        trusted = (intra_only or trusts_pts) and not self.begins_anew
         trusted = trusted and _UNKNOWN not in pts[~hidden] and not _repeats(pts[~hidden])
         if is_cut and trusted and not intra_only:
             hidden |= _uncertain_at_end(pts, hidden, reorders)
@@ -122,7 +128,12 @@ class PacketIndex:
         self._in_order = np.sort(self._restarts)
         is_sure = [k == 0 or packets[k].is_sure for k in self._in_order.tolist()]
         self._sure = self._in_order[np.array(is_sure, bool)]
-        self.stamps_s, self.is_variable_rate = _stamps(ticks[: self.n_frames], tick_s, rate_hz)
+        ticks = ticks[: self.n_frames]
+        if self.begins_anew:
+            ticks = np.full(len(ticks), _UNKNOWN)
+        self.stamps_s, is_uneven = _stamps(ticks, tick_s, rate_hz)
+        is_uneven |= counts_ticks and len(np.unique(np.diff(ticks))) > 1
+        self.is_variable_rate = is_uneven
 
     def _begins(self, packets: Sequence[Packet], places: IntArray) -> list[tuple[int, int]]:
         """Return the packets where decoding can begin, and before them the first exact frame."""
@@ -247,6 +258,12 @@ def _column(packets: Sequence[Packet], field: int) -> IntArray:
 def _repeats(ticks: IntArray) -> bool:
     """Tell whether a time stamp is there twice."""
     return len(np.unique(ticks)) < len(ticks)
+
+
+def _goes_back(dts: IntArray) -> bool:
+    """Tell whether time begins anew: decoding times go back by more than pictures are reordered."""
+    steps = np.diff(dts[dts != _UNKNOWN])
+    return len(steps) > 0 and bool(steps.min() < -MOST_REORDERED * max(np.median(steps), 1))
 
 
 def _uncertain_at_end(pts: IntArray, hidden: BoolArray, reorders: int) -> np.ndarray:

@@ -91,6 +91,27 @@ def test_uneven_times_are_variable_and_rounded_ones_are_not():
     assert times([*sixty[:100], *sixty[101:]]).is_variable_rate  # one picture dropped
 
 
+def test_one_frame_that_an_avi_dropped_is_seen():
+    """Its ticks are frames: 0 1 2 4 lies within a tick of an even line."""
+    packets = [packet(t, t, key=True) for t in (0, 1, 2, 4, 5)]
+    assert index(packets, intra_only=True, counts_ticks=True).is_variable_rate
+    assert not index(packets[:3], intra_only=True, counts_ticks=True).is_variable_rate
+    assert not index(packets[:1], intra_only=True, counts_ticks=True).is_variable_rate
+
+
+@pytest.mark.parametrize("since", [-2, 0, -200])
+def test_recordings_put_one_behind_the_other_are_evenly_spaced_in_their_order(since):
+    """Time begins anew in the second: among the times of the first, or before them."""
+    second = [p._replace(pts=p.pts + since, dts=p.dts + since) for p in GROUPS]
+    first = [p._replace(pts=p.pts + 60, dts=p.dts + 60) for p in GROUPS]
+    found = index([*first, *second], rate_hz=50.0)
+    assert found.begins_anew
+    assert found.numbers is None  # counted
+    np.testing.assert_allclose(found.stamps_s, np.arange(16) / 50)
+    assert not found.is_variable_rate
+    assert not index(GROUPS).begins_anew
+
+
 def test_landing_is_certain_or_nothing():
     found = index(GROUPS)
     assert found.identify(500, SIZE, dts=3) == 4

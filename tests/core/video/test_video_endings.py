@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import av
 import numpy as np
 import pytest
@@ -125,3 +127,21 @@ def test_frames_that_were_dropped_in_an_avi_are_not_missing_at_its_end(tmp_path,
     assert video.is_variable_rate
     path.write_bytes(path.read_bytes()[: packet_bytes(path, 20)[0]])
     assert "is cut short: it promises 30 frames" in " ".join(VideoFile(path).notes)
+
+
+def test_a_copy_into_avi_at_twice_the_rate_is_whole(tmp_path):
+    """Every other chunk is empty then, the last one too: none is missing."""
+    whole = write_h264(tmp_path / "whole.avi", n=N, times=[2 * k for k in range(N)], rate=100)
+    data = bytearray(whole.read_bytes())
+    place = data.index(b"strh") + 8 + 32  # dwLength: ffmpeg counts two for the last frame
+    assert struct.unpack_from("<I", data, place) == (2 * N - 1,)
+    struct.pack_into("<I", data, place, 2 * N)
+    whole.write_bytes(data)
+    video = VideoFile(whole)
+    assert (video.n_frames, video.notes, video.is_variable_rate) == (N, [], False)
+
+
+def test_one_dropped_frame_in_an_avi_is_time_that_passes(tmp_path):
+    video = VideoFile(write_mjpeg(tmp_path / "clip.avi", n=29, times=[*range(10), *range(11, 30)]))
+    assert video.is_variable_rate
+    np.testing.assert_allclose(np.diff(video.stamps_s)[8:11], [0.02, 0.04, 0.02])
