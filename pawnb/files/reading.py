@@ -76,6 +76,10 @@ def check_file(
     try:
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError):
+        if path.is_symlink():
+            raise error(
+                f"{path}: a link to {path.readlink()}, which is not there; expected {expected}."
+            ) from None
         near = did_you_mean(path.name, _neighbours(path))
         raise error(f"{path}: no such file{near}; expected {expected}.") from None
     except (OSError, ValueError, RuntimeError) as reason:  # no access, a loop, a name that is none

@@ -66,8 +66,8 @@ class VideoFile:
     is_variable_rate : bool
         Whether they are not evenly spaced.
     notes : list of str
-        What a user should know, in plain sentences: a file that is cut short, turned, or whose
-        pixels are not square.
+        What a user should know, in plain sentences: a file that is cut short, turned,
+        interlaced, or whose pixels are not square.
 
     Raises
     ------
@@ -105,7 +105,7 @@ class VideoFile:
             self._at: int | None = None
             self._began = 0
             self._turn: Turn | None = None
-            self._is_looked_at = False
+            self._is_looked_at = self._is_interlaced = False
             first = self.grab(0)
             self.width, self.height = first.width, first.height
             self.notes += self._shape_notes()
@@ -185,6 +185,10 @@ class VideoFile:
     def _open(self) -> tuple[av.container.InputContainer, av.video.stream.VideoStream]:
         """Open the file and its first video stream."""
         check_file(self.path, expected=_EXPECTED, error=VideoError)
+        if not self.path.stat().st_size:
+            raise VideoError(
+                f"{self.name}: the file is empty (0 bytes); record it or copy it once more."
+            )
         try:
             # a name is a file's, whatever it looks like, and no file fetches another
             container = av.open(
@@ -196,7 +200,7 @@ class VideoFile:
                 f"{self.name}: not a video that can be read ({reason}); it may be cut short, "
                 "damaged or of another kind."
             ) from None
-        stream = next((s for s in container.streams.video if s.codec_context is not None), None)
+        stream = next(iter(_films(container)), None)
         if stream is None:
             container.close()
             raise VideoError(
@@ -212,6 +216,12 @@ class VideoFile:
         index, ending, n_lost = list_packets(self.path, self._container, stream)
         if not index.n_frames:
             raise VideoError(f"{self.name}: holds no whole frame; the file is empty or cut short.")
+        n_films = len(_films(self._container))
+        if n_films > 1:
+            self.notes.append(
+                f"{self.name} holds {n_films} films; the first is used ({stream.width} x "
+                f"{stream.height} px, frames: {index.n_frames})."
+            )
         if n_lost:
             self.notes.append(
                 f"{self.name} begins in between, as films do that were cut without being encoded "
@@ -244,6 +254,13 @@ class VideoFile:
             notes.append(
                 f"{self.name} says how the camera was held: its pictures are {self._turn.words}, "
                 "as players show them, and positions are counted in these."
+            )
+        if self._is_interlaced:
+            notes.append(
+                f"{self.name} says that its pictures are interlaced, each of two that were taken "
+                "one after the other: what moves is seen twice, in every other row. Make each a "
+                "picture of its own, which doubles fps, with: "
+                "ffmpeg -i IN -vf bwdif=mode=send_field -crf 12 OUT.mp4"
             )
         aspect = self._stream.sample_aspect_ratio
         if aspect and abs(float(aspect) - 1.0) > _SQUARE_WITHIN:
@@ -359,4 +376,15 @@ class VideoFile:
             picture = picture_of_frame(frame)
             if not self._is_looked_at:  # what holds of the first holds of all
                 self._turn, self._is_looked_at = turn_of_frame(frame), True
+                self._is_interlaced = frame.interlaced_frame
         return picture if self._turn is None else TurnedPicture(picture, self._turn)
+
+
+def _films(container: av.container.InputContainer) -> list[av.video.stream.VideoStream]:
+    """Return the video streams of a file that can be read, without a cover picture."""
+    cover = av.stream.Disposition.attached_pic
+    return [
+        s
+        for s in container.streams.video
+        if s.codec_context is not None and not s.disposition & cover
+    ]

@@ -69,6 +69,15 @@ def test_not_a_video(tmp_path):
     )
 
 
+def test_an_empty_file_and_a_link_to_nothing_are_called_so(tmp_path):
+    (tmp_path / "empty.mp4").touch()
+    assert "the file is empty (0 bytes)" in refusal(opened, tmp_path / "empty.mp4")
+    (tmp_path / "link.mp4").symlink_to("gone.mp4")
+    assert "link.mp4: a link to gone.mp4, which is not there" in refusal(
+        opened, tmp_path / "link.mp4"
+    )
+
+
 def test_mp4_without_its_table_is_refused(tmp_path):
     """The table of an mp4 stands at the end unless it was moved: cut short, nothing is left."""
     path = cut(write_h264(tmp_path / "clip.mp4"), 50)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
 
 import cv2
@@ -307,3 +308,35 @@ def test_h264_options_make_b_frames(tmp_path):
     with av.open(str(write_h264(tmp_path / "clip.mp4", options=H264))) as container:
         shown = [p.pts for p in container.demux(video=0) if p.size]
     assert shown != sorted(shown)
+
+
+def write_two(path, *, is_cover):
+    """Write a film and a single picture: before it as a film, or behind it as its cover."""
+    import av
+
+    sources = [write_mjpeg(path.parent / "a.mkv", n=1), write_h264(path.parent / "b.mkv")]
+    with contextlib.ExitStack() as opened_files, av.open(str(path), "w") as out:
+        inputs = [
+            opened_files.enter_context(av.open(str(p))) for p in sources[:: -1 if is_cover else 1]
+        ]
+        copies = [out.add_stream_from_template(i.streams.video[0]) for i in inputs]
+        if is_cover:
+            copies[1].disposition = av.stream.Disposition.attached_pic
+        for source, copy in zip(inputs, copies, strict=True):
+            for packet in source.demux(video=0):
+                if packet.size:
+                    packet.stream = copy
+                    out.mux(packet)
+    return path
+
+
+def test_a_cover_picture_is_no_film(tmp_path):
+    video = VideoFile(write_two(tmp_path / "clip.mp4", is_cover=True))
+    assert len(video._container.streams.video) == 2
+    assert (video.n_frames, video.notes) == (N, [])
+
+
+def test_of_several_films_in_a_file_it_is_said_which_is_used(tmp_path):
+    video = VideoFile(write_two(tmp_path / "clip.mkv", is_cover=False))
+    (note,) = video.notes
+    assert "holds 2 films; the first is used (160 x 64 px, frames: 1)" in note

@@ -79,3 +79,11 @@ def test_pixels_that_are_not_square_are_said(tmp_path):
     assert VideoFile(path).notes == []
     (note,) = VideoFile(tmp_path / "dv.mp4").notes
     assert "1.07 times as wide as high" in note
+
+
+def test_pictures_that_are_interlaced_are_said(tmp_path):
+    options = {"x264-params": "tff=1"}
+    write_h264(tmp_path / "clip.mp4", n=4, options=options)
+    (note,) = VideoFile(tmp_path / "clip.mp4").notes
+    assert "interlaced" in note
+    assert "doubles fps" in note
