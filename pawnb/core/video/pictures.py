@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import glob
 import re
-import struct
 import warnings
 from collections import defaultdict
 from pathlib import Path
@@ -15,6 +14,7 @@ import numpy as np
 from PIL import Image
 
 from pawnb.core.pixels.colour import GreyPicture, PackedPicture, Picture
+from pawnb.core.video.tiff import ODD, n_pictures
 from pawnb.errors import VideoError
 from pawnb.files import read_bytes
 
@@ -26,11 +26,23 @@ def is_glob(name: str) -> bool:
     return any(c in name for c in "*?[")
 
 
+def _pattern(path: Path) -> str:
+    """Return a glob in which only what is no folder that exists is a pattern."""
+    folder = next(parent for parent in path.parents if parent.is_dir())
+    return str(Path(glob.escape(str(folder))) / path.relative_to(folder))
+
+
 def natural_key(name: str) -> tuple[tuple[str, int, str], ...]:
     """Return a sort key under which frame2 comes before frame10."""
     parts = re.findall(r"(\D*)(\d*)", name)
     return tuple((text.casefold(), int(number or -1), text) for text, number in parts)
 
+
+_STORED_BITS, _CAMERA_BITS = 16, 12
+"""Of a pixel: those stored, and those that many cameras fill, from the lowest on."""
+
+_LOOKED_AT = 9
+"""Pictures, over all of the recording, in which it is looked how many bits are in use."""
 
 _ORIENTATION = 0x0112
 """Tag of EXIF: 1 is as it lies, 2 to 8 turned or mirrored."""
@@ -66,7 +78,8 @@ class PictureFolder:
     Notes
     -----
     Frame 0 is the picture with the lowest number. Reading keeps no state, so any
-    number of threads may read at once. 16-bit pictures keep their upper 8 bits.
+    number of threads may read at once. 16-bit pictures keep their upper 8 bits, and where only
+    12 bits are in use, the upper 8 of these.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -75,6 +88,7 @@ class PictureFolder:
         self._files = self._list(Path(path))
         self.n_frames = len(self._files)
         self.notes += _turn_notes(self._files[0])
+        self._bits = self._bits_in_use()
         first = self._load(0)
         self.width, self.height = first.width, first.height
         self.is_colour = first.is_colour
@@ -107,13 +121,19 @@ class PictureFolder:
     def _list(self, path: Path) -> list[Path]:
         """List the pictures in order and check that none is missing."""
         # not Path.glob: the pattern may be absolute
-        names = path.iterdir() if path.is_dir() else map(Path, glob.glob(str(path)))  # noqa: PTH207
+        names = path.iterdir() if path.is_dir() else map(Path, glob.glob(_pattern(path)))  # noqa: PTH207
         found = [p for p in names if p.suffix.lower() in SUFFIXES and not p.name.startswith(".")]
         if not found:
             raise VideoError(
                 f"{self.name}: no pictures there; expected files that end in {', '.join(SUFFIXES)}."
             )
         found.sort(key=lambda p: natural_key(str(p)))
+        n = n_pictures(found[0])
+        if n > 1:
+            raise VideoError(
+                f"{found[0]} holds {n} pictures; expected one a file in a folder or glob. Name the "
+                "file itself as the video."
+            )
         return self._series(found)
 
     def _series(self, files: list[Path]) -> list[Path]:
@@ -160,22 +180,46 @@ class PictureFolder:
                 f"{files[at + 1].name}; put the picture back or number the pictures without a gap."
             )
 
-    def _load(self, index: int) -> Picture:
-        """Read and decode one file."""
+    def _bits_in_use(self) -> int:
+        """Return of how many bits the upper 8 are kept: 12 where some pictures have no more."""
+        brightest = 0
+        for index in np.unique(np.linspace(0, self.n_frames - 1, _LOOKED_AT).astype(int)):
+            pixels = None
+            with contextlib.suppress(VideoError):  # it is told when that picture is asked for
+                pixels = self._pixels(int(index))
+            if pixels is None:
+                continue
+            if pixels.dtype != np.uint16:
+                return _STORED_BITS
+            brightest = max(brightest, int(pixels.max()))
+        if not 0 < brightest < 1 << _CAMERA_BITS:
+            return _STORED_BITS
+        self.notes.append(
+            f"{self.name}: of the {_STORED_BITS} bits a pixel of its pictures no more than {_CAMERA_BITS} "
+            f"are in use (brightest {brightest}); these are shown."
+        )
+        return _CAMERA_BITS
+
+    def _pixels(self, index: int) -> np.ndarray | None:
+        """Read one file: (H, W) or (H, W, 3 or 4) blue, green, red; None where it is damaged."""
         file = self._files[index]
         data = read_bytes(file, expected=f"the picture of frame {index}", error=VideoError)
-        pixels = None
         if data and _is_whole(data):
             # not cv2.imread: it cannot open names outside ASCII on Windows
             with contextlib.suppress(cv2.error):  # it says that it is larger than a picture can be
-                pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+                return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        return None
+
+    def _load(self, index: int) -> Picture:
+        """Read and decode one picture."""
+        file, pixels = self._files[index], self._pixels(index)
         if pixels is None:
             raise VideoError(
                 f"{file}: frame {index} cannot be read as a picture; the file is damaged, cut "
                 "short or of another kind."
             )
         if pixels.dtype == np.uint16:
-            pixels = np.right_shift(pixels, 8).astype(np.uint8)
+            pixels = np.minimum(np.right_shift(pixels, self._bits - 8), 255).astype(np.uint8)
         if pixels.dtype != np.uint8:
             raise VideoError(
                 f"{file}: frame {index} has pixels of type {pixels.dtype}; expected whole numbers "
@@ -194,8 +238,7 @@ def _turn_notes(file: Path) -> list[str]:
     """
     if file.suffix.lower() not in (".jpg", ".jpeg"):
         return []  # of cameras and phones
-    odd = (OSError, ValueError, SyntaxError, KeyError, struct.error, Image.DecompressionBombError)
-    with contextlib.suppress(*odd), warnings.catch_warnings():
+    with contextlib.suppress(*ODD), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of what else is odd in a picture it is told elsewhere
         with Image.open(file) as picture:
             asked = picture.getexif().get(_ORIENTATION, 1)

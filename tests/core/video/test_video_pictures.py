@@ -188,3 +188,64 @@ def test_a_picture_that_is_to_be_shown_turned_is_used_as_it_lies_and_said(tmp_pa
     assert barcode(source.grab(0).region(0, 0, *image.size)) == 3
     said = [note for note in source.notes if f"EXIF orientation {orientation}" in note]
     assert len(said) == (orientation != 1)
+
+
+def write_stack(path, images, **more):
+    """Write one TIFF of several pictures."""
+    first, *others = [Image.fromarray(image) for image in images]
+    first.save(path, save_all=True, append_images=others, **more)
+    return path
+
+
+@pytest.mark.parametrize("depth", ["colour", "grey", "12 bits", "16 bits"])
+def test_a_stack_of_pictures_is_a_film(tmp_path, depth):
+    images = [picture(k) for k in range(12)]
+    if depth != "colour":
+        images = [image[..., 1] for image in images]
+    factor = {"12 bits": 16, "16 bits": 257}.get(depth)
+    stored = [i.astype(np.uint16) * factor for i in images] if factor else images
+    write_stack(tmp_path / "stack.tif", stored)
+    with open_view(View(name="v", video="stack.tif"), tmp_path) as view:
+        assert view.n_frames == 12
+        assert view.is_colour == (depth == "colour")
+        for k in np.random.default_rng(3).permutation(12):
+            np.testing.assert_array_equal(view.read(k), images[k])
+        with view.again() as other:
+            np.testing.assert_array_equal(other.read(7), images[7])
+
+
+def test_of_sixteen_bits_those_in_use_are_shown_and_it_is_said(tmp_path):
+    """Cameras of 12 bits fill the lower 12 of 16: with the upper 8 of these all would be black."""
+    for k in range(4):
+        cv2.imwrite(str(tmp_path / f"{k}.tif"), picture(k)[..., 1].astype(np.uint16) * 16 + 7)
+    source = PictureFolder(tmp_path)
+    assert np.array_equal(source.grab(2).region(0, 0, 160, 64), picture(2)[..., 1])
+    (note,) = source.notes
+    assert "no more than 12 are in use" in note
+
+
+def test_a_stack_that_is_cut_short_or_imagej_s_own_is_refused(tmp_path):
+    path = write_stack(tmp_path / "stack.tif", [picture(k) for k in range(9)])
+    path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10])
+    with pytest.raises(VideoError, match=r"breaks off after \d; the file is cut short"):
+        open_view(View(name="v", video="stack.tif"), tmp_path)
+    said = {270: "ImageJ=1.53\nimages=9000\nslices=9000\n"}
+    write_stack(path, [picture(0)], tiffinfo=said)
+    with pytest.raises(VideoError, match="ImageJ wrote 9000 pictures"):
+        open_view(View(name="v", video="stack.tif"), tmp_path)
+
+
+def test_stacks_in_a_folder_are_refused_and_thumbnails_are_none(tmp_path):
+    for k in range(2):
+        write_stack(tmp_path / f"a{k}.tif", [picture(k), picture(k + 1)])
+    assert "a0.tif holds 2 pictures; expected one a file" in refusal(tmp_path)
+    for k in range(2):
+        write_stack(tmp_path / f"a{k}.tif", [picture(k), picture(k)[::4, ::4]])
+    assert numbers(tmp_path) == [0, 1]
+
+
+def test_brackets_in_the_name_of_a_folder_are_no_pattern(tmp_path):
+    (tmp_path / "mouse [1]").mkdir()
+    for k in range(3):
+        write(tmp_path / "mouse [1]", f"{k}.png", k)
+    assert numbers(tmp_path / "mouse [1]" / "?.png") == [0, 1, 2]
