@@ -195,8 +195,8 @@ class PictureFolder:
         if not 0 < brightest < 1 << _CAMERA_BITS:
             return _STORED_BITS
         self.notes.append(
-            f"{self.name}: of the {_STORED_BITS} bits a pixel of its pictures no more than {_CAMERA_BITS} "
-            f"are in use (brightest {brightest}); these are shown."
+            f"{self.name}: of the {_STORED_BITS} bits a pixel of its pictures no more than "
+            f"{_CAMERA_BITS} are in use (brightest {brightest}); these are shown."
         )
         return _CAMERA_BITS
 
