@@ -20,7 +20,7 @@ from pawnb.errors import InputWarning
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, View
 from pawnb.workflow.provenance.record import file_checksum
-from pawnb.workflow.provenance.results import describe_trial, provenance_steps
+from pawnb.workflow.provenance.results import describe_trial, provenance_steps, results_folder
 
 _EVEN = 1e-3
 """How far times may lie off frame / fps, in frames, and still be made by it."""
@@ -61,6 +61,11 @@ def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
         now.attrs["trial"] = json.dumps(document, sort_keys=True)
     if again:
         said.append(f"{' and '.join(again)} changed: pawnb track again")
+    said += [
+        f"{name} was replaced by another film: clicks, tracks and corrections are of the one "
+        "before; put it back, or click and track again"
+        for name in _replaced_films(tracks, trial)
+    ]
     said += _other_pictures(before, trial, sizes or {})
     if said:
         text = f"{trial.name}: since it was tracked, {'; '.join(said)}."
@@ -83,9 +88,7 @@ def changed_inputs(tracks: Tracks, trial: Trial) -> list[str]:
     list of str
         Names of files; of these only what the record of tracking knows.
     """
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    inputs: dict[str, Any] = made[-1].get("inputs") or {} if made else {}
-    known = {Path(label).name: checksum for label, checksum in inputs.items()}
+    known = {Path(label).name: checksum for label, checksum in _inputs(tracks).items()}
     if not known:
         return []
     calibration = trial.calibration
@@ -100,6 +103,37 @@ def changed_inputs(tracks: Tracks, trial: Trial) -> list[str]:
         for path in paths
         if path.is_file() and known.get(path.name) != file_checksum(path)
     ]
+
+
+def _inputs(tracks: Tracks) -> dict[str, Any]:
+    """Return the checksums of what the tracks were made from, by the names in the trial."""
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    return (made[-1].get("inputs") or {}) if made else {}
+
+
+def _replaced_films(tracks: Tracks, trial: Trial) -> list[str]:
+    """Name the films that are not those that were tracked.
+
+    Films are large: they are read only where they changed after the tracks were written.
+    """
+    written = results_folder(trial) / "tracks.nc"
+    if not written.is_file():
+        return []
+    known = _inputs(tracks)
+    films = dict.fromkeys(view.video for view in trial.views if view.video in known)
+    return [
+        film
+        for film in films
+        if trial.path(film).exists()
+        and _changed_at(trial.path(film)) > _changed_at(written)
+        and known[film] != file_checksum(trial.path(film))
+    ]
+
+
+def _changed_at(path: Path) -> float:
+    """Return when a file was last written or, where copies keep that, came to be there."""
+    state = path.stat()
+    return max(state.st_mtime, state.st_ctime)
 
 
 def _other_pictures(before: dict[str, Any], trial: Trial, sizes: dict[str, list[int]]) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -67,6 +68,25 @@ def test_a_frame_rate_that_was_wrong(trial, given):
     assert tracks.attrs["fps"] == 24.0
     assert '"fps": 24.0' in tracks.attrs["trial"]
     assert tracks.attrs["units"] == "px"
+
+
+def test_another_film_of_the_same_name_is_said(trial, recwarn):
+    tracks = tracked(trial)
+    written = trial.folder / "results" / "tracks.nc"
+    written.parent.mkdir()
+    write_tracks(tracks, written)
+    film = trial.folder / "v.avi"
+    film.touch()  # as after a copy of the folder
+    later = written.stat().st_mtime + 9
+    os.utime(film, (later, later))
+    assert as_described_now(tracks, trial) is tracks
+    assert not recwarn.list
+    film.write_bytes(b"another film")
+    os.utime(film, (later, later))
+    with pytest.warns(InputWarning, match=r"v\.avi was replaced by another film: clicks, tracks"):
+        as_described_now(tracks, trial)
+    film.unlink()  # put away
+    assert as_described_now(tracks, trial) is tracks
 
 
 def test_times_of_the_file_are_left_and_said(trial):
