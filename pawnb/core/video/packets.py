@@ -210,6 +210,20 @@ class PacketIndex:
     def identify(self, position: int | None, size: int, *, dts: int | None) -> int | None:
         """Return which packet lies at that position, or None where that is not certain.
 
+        Parameters
+        ----------
+        position, size : int or None
+            Where a packet begins in the file and how long it is, bytes.
+        dts : int or None
+            Its decoding time, ticks.
+
+        Returns
+        -------
+        int or None
+            Its number in the file.
+
+        Notes
+        -----
         In MPEG program streams what is left of the picture before comes first, at the
         position and with the time of the one that was sought: only its size is another.
         """

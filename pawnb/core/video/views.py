@@ -244,6 +244,15 @@ class ViewReader(Closing):
         slower = self._fps * float(np.median(np.diff(self.source.stamps_s)))
         return 1.0 if slower == 0 or 1 / _MOST_APART <= slower <= _MOST_APART else slower
 
+    @property
+    def share_of_another_pace(self) -> float:
+        """Share of frames that last more than three times as long, or as short, as most do."""
+        if self.source.stamps_s is None or self.n_frames < 2:
+            return 0.0
+        steps = np.diff(self.source.stamps_s)
+        usual = float(np.median(steps))
+        return float(np.mean((steps > _MOST_APART * usual) | (steps < usual / _MOST_APART)))
+
     def frame(self, index: int) -> Frame:
         """Return a frame of this file.
 

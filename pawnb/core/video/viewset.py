@@ -16,6 +16,9 @@ from pawnb.core.closing import Closing
 from pawnb.core.video.views import Frame, ViewReader, no_such_frame
 from pawnb.errors import VideoError
 
+_MANY = 0.05
+"""Share of frames of another pace above which they are not frames that were dropped."""
+
 READ_AHEAD = 4
 """Frames of each view that may wait, decoded, for whoever asked for them."""
 
@@ -223,11 +226,11 @@ class ViewSet(Closing):
         rate = (reader.n_frames - 1) / float(reader.time_s[-1]) / slower
         rates = f"mean {rate:.4g} frames/s, fps is {self._fps:.4g})"
         if slower == 1.0:
-            return f"{rates}; the file's own time stamps are used"
+            return f"{rates}; the file's own time stamps are used{_pace_note(reader)}"
         times = f"{slower:.3g} times slower" if slower > 1.0 else f"{1 / slower:.3g} times faster"
         return (
             f"{rates}: the film is taken to be played {times} than it was filmed, and only how "
-            "uneven its time stamps are is used. If it is not, mend fps"
+            f"uneven its time stamps are is used. If it is not, mend fps{_pace_note(reader)}"
         )
 
     def _length_notes(self, ends: Mapping[str, int]) -> list[str]:
@@ -256,3 +259,15 @@ class ViewSet(Closing):
             pool.shutdown(wait=True, cancel_futures=True)
         for reader in self.readers.values():
             reader.close()
+
+
+def _pace_note(reader: ViewReader) -> str:
+    """Say where parts of a film are of another pace, which are no frames that were dropped."""
+    share = reader.share_of_another_pace
+    if share <= _MANY:
+        return ""
+    return (
+        f". {share:.0%} of its frames last more than three times as long, or as short, as most: "
+        "where a part is in slow motion, times are wrong; make a film of its own of each part: "
+        "ffmpeg -i IN -vf trim=start_frame=A:end_frame=B,setpts=PTS-STARTPTS -crf 12 OUT.mp4"
+    )

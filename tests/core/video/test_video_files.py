@@ -232,6 +232,24 @@ def test_stamps_of_a_film_in_slow_motion_are_brought_to_the_time_of_filming(tmp_
         assert ("faster" in note) == (slower < 1)
 
 
+@pytest.mark.parametrize("fps", [50.0, 400.0])
+def test_a_part_in_slow_motion_is_said(tmp_path, fps):
+    """Phones save films that go over into slow motion and back; one frame in 20 may be dropped."""
+    told = {"kind": "paws", "name": "t", "animal": Animal(id="a"), "folder": tmp_path, "fps": fps}
+    notes = []
+    for name, times in {
+        "slow": [*range(20), *range(20, 180, 8), *range(180, 200)],
+        "dropped": [k + 5 * (k // 20) for k in range(N)],
+    }.items():
+        write_h264(tmp_path / f"{name}.mp4", times=times)
+        views = (View(name=name, video=f"{name}.mp4"),)
+        with open_views(Trial(**told, views=views)) as opened_views:
+            notes += opened_views.notes
+    assert "34% of its frames last more than three times as long" in notes[0]
+    assert "slow motion, times are wrong" in notes[0]
+    assert "make a film of its own" not in notes[1]
+
+
 @pytest.mark.parametrize("suffix", ["mp4", "avi"])
 def test_time_of_a_constant_rate_is_frame_over_fps(tmp_path, suffix):
     """A high-speed clip plays at 50 frames/s and was filmed at 250."""
