@@ -19,6 +19,9 @@ from pawnb.errors import VideoError
 _MANY = 0.05
 """Share of frames of another pace above which they are not frames that were dropped."""
 
+_FASTER = 1.5
+"""How many times as fast as it was filmed a film may be played before it is said."""
+
 READ_AHEAD = 4
 """Frames of each view that may wait, decoded, for whoever asked for them."""
 
@@ -218,6 +221,13 @@ class ViewSet(Closing):
             notes.update(dict.fromkeys(reader.source.notes))
             if reader.is_variable_rate:
                 notes[f"{name}: the frame rate varies ({self._time_note(reader)}."] = None
+            elif reader.played_at > _FASTER * self._fps:
+                note = (
+                    f"{name}: the file says {reader.played_at:.4g} frames/s, but fps is "
+                    f"{self._fps:.4g}: hardly a film is played faster than it was filmed. Mend fps "
+                    "if it was not; the strides are too long else."
+                )
+                notes[note] = None
         return list(notes)
 
     def _time_note(self, reader: ViewReader) -> str:

@@ -232,6 +232,17 @@ def test_stamps_of_a_film_in_slow_motion_are_brought_to_the_time_of_filming(tmp_
         assert ("faster" in note) == (slower < 1)
 
 
+@pytest.mark.parametrize(("fps", "is_said"), [(250.0, False), (50.0, False), (6.0, True)])
+def test_a_film_that_would_be_played_faster_than_it_was_filmed_is_said(tmp_path, fps, is_said):
+    """A phone's film of 240 frames/s, for which the usual 30 are given."""
+    told = {"kind": "paws", "name": "t", "animal": Animal(id="a"), "folder": tmp_path, "fps": fps}
+    write_h264(tmp_path / "clip.mp4")  # of 50 frames/s
+    with open_views(Trial(**told, views=(View(name="v", video="clip.mp4"),))) as views:
+        assert ["the file says 50 frames/s, but fps is 6:" in n for n in views.notes] == (
+            [True] * is_said
+        )
+
+
 @pytest.mark.parametrize("fps", [50.0, 400.0])
 def test_a_part_in_slow_motion_is_said(tmp_path, fps):
     """Phones save films that go over into slow motion and back; one frame in 20 may be dropped."""
