@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
@@ -74,7 +75,10 @@ def ask_new_trial(
     put = _Questions(ask, say)
     named = tuple(videos) or put("Video files, one a view, with commas between", _some_names)
     made = new_trial(named, folder)
+    notes = _look_at(made)
     say(f"A new trial in {made.path}; Enter takes what stands in [brackets].")
+    for note in notes:
+        say(f"  {note}")
     made.name = put("Name of the trial", str, default=made.folder.resolve().name)
     made.animal_id = put("Id of the animal", str, default=made.name)
     for i, animal in enumerate(ANIMALS, start=1):
@@ -89,6 +93,18 @@ def ask_new_trial(
         _ask_view(made, view, put)
     _ask_frames(made, put)
     return made.write()
+
+
+def _look_at(made: NewTrial) -> list[str]:
+    """Refuse what cannot be used before anything is asked; return what is known of the videos."""
+    if made.folder.is_dir() and not os.access(made.folder, os.W_OK):
+        raise InputError(
+            f"{made.folder}: nothing can be written in this folder; name another for trial.toml "
+            "with --out."
+        )
+    with made.open_whole() as views:
+        notes = [note for reader in views.readers.values() for note in reader.source.notes]
+    return list(dict.fromkeys(notes))
 
 
 def _ask_calibration(made: NewTrial, put: _Questions) -> None:

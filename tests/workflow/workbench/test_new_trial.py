@@ -1,6 +1,7 @@
 """Bare videos become a trial: by questions, or by what a form takes; never written over."""
 
 import io
+import os
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -112,6 +113,21 @@ def test_answers_that_end_early_write_nothing(bare):
     with pytest.raises(InputError, match="no answer to 'Which animal', so nothing was written"):
         ask_new_trial(videos(bare), ask=answer("", ""), say=lambda _: None)
     assert not (bare / "trial.toml").exists()
+
+
+def test_what_cannot_be_used_is_refused_before_anything_is_asked(bare, monkeypatch):
+    whole = (bare / "cam1.avi").read_bytes()
+    (bare / "cam1.avi").write_bytes(whole[: len(whole) * 2 // 3])
+    said = []
+    with pytest.raises(InputError, match="no answer to 'Name of the trial'"):
+        ask_new_trial(videos(bare), ask=answer(), say=said.append)
+    assert "is cut short" in said[1]  # known before the first answer
+    (bare / "cam2.avi").write_bytes(b"")
+    with pytest.raises(InputError, match=r"cam2\.avi: the file is empty"):
+        ask_new_trial(videos(bare), ask=answer(), say=said.append)
+    monkeypatch.setattr(os, "access", lambda *_: False)  # a shared folder of films
+    with pytest.raises(InputError, match="nothing can be written in this folder; name another"):
+        ask_new_trial(videos(bare), ask=answer(), say=said.append)
 
 
 def test_a_trial_that_is_there_is_never_written_over(bare):
