@@ -19,18 +19,28 @@ _MOST_PACKETS = 600
 
 
 class Beginning:
-    """The first packets of a file, kept until it is certain what can be decoded of them."""
+    """The first packets of a file, kept until it is certain what can be decoded of them.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    intra_only : bool
+        Whether every packet is a whole picture: none is lost then, and none, as large as that
+        of uncompressed film, is kept.
+    """
+
+    def __init__(self, *, intra_only: bool) -> None:
+        self._is_of_use = not intra_only
         self._kept: list[av.Packet] = []
         self._first: int | None = None
 
     def add(self, packet: av.Packet, *, is_restart: bool) -> None:
         """Take the next packet of the file; it is kept only as long as it is of use."""
+        if not self._is_of_use:
+            return
         number = len(self._kept)
         if self._first is None and is_restart:
             self._first = number
-        end = _MOST_PACKETS if self._first is None else self._first + 2 * MOST_REORDERED
+        end = _MOST_PACKETS if self._first is None else self._first + MOST_REORDERED
         if number < end:
             self._kept.append(packet)
 

@@ -42,7 +42,8 @@ def list_packets(
     looks_inside = name in ("h264", "hevc")
     packets: list[Packet] = []
     at_once: list[bool] = []
-    is_partial, end, beginning = False, 0, Beginning()
+    is_partial, end = False, 0
+    beginning = Beginning(intra_only=codec.codec.intra_only)
     lost: list[Exception] = []
     for packet in read_packets(container, stream, lost):
         data = bytes(packet) if looks_inside else b""

@@ -8,6 +8,7 @@ import pytest
 from video_clips import N, barcode, need_codec, write_clip, write_h264
 
 from pawnb.core.video import open_view
+from pawnb.core.video.beginnings import Beginning
 from pawnb.trial import View
 
 OPEN_GOP = {"bf": "3", "g": "20", "x264-params": "open-gop=1:scenecut=0:b-adapt=0"}
@@ -67,3 +68,12 @@ def test_a_whole_film_loses_nothing_at_its_beginning(tmp_path, write):
     write(tmp_path / "clip.mkv")
     with open_view(View(name="v", video="clip.mkv"), tmp_path) as view:
         assert (view.n_frames, view.source.notes) == (N, [])
+
+
+@pytest.mark.parametrize(("intra_only", "most"), [(True, 0), (False, 16)])
+def test_few_packets_are_held_while_a_film_is_listed(intra_only, most):
+    """Packets of uncompressed film are as large as its pictures."""
+    beginning = Beginning(intra_only=intra_only)
+    for number in range(100):
+        beginning.add(av.Packet(8), is_restart=intra_only or number == 0)
+    assert len(beginning._kept) == most
