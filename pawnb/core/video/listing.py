@@ -61,8 +61,7 @@ def list_packets(
     if packets and is_partial:
         packets.pop()
     if "avi" in container.format.name and name == MPEG4:
-        shown = display_times([p.dts for p in packets], at_once)
-        packets = [p._replace(pts=pts) for p, pts in zip(packets, shown, strict=True)]
+        packets = _timed_by_kind(packets, at_once)
     without = beginning.lost(packets, codec)
     packets = [p._replace(is_hidden=True) if k in without else p for k, p in enumerate(packets)]
     is_cut = is_partial or ending is Ending.CUT or bool(lost)
@@ -88,6 +87,12 @@ def list_packets(
         counts_ticks="avi" in container.format.name,
     )
     return index, Ending.CUT if is_cut else ending, len(without)
+
+
+def _timed_by_kind(packets: list[Packet], at_once: list[bool]) -> list[Packet]:
+    """Return packets of MPEG-4 in AVI, which has no display times, with those of their kinds."""
+    shown = display_times([p.dts for p in packets], at_once[: len(packets)])
+    return [p._replace(pts=pts) for p, pts in zip(packets, shown, strict=True)]
 
 
 def read_packets(

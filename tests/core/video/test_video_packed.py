@@ -5,7 +5,7 @@ from __future__ import annotations
 import av
 import numpy as np
 import pytest
-from video_clips import N, barcode, write_clip
+from video_clips import N, barcode, packet_bytes, write_clip
 
 from pawnb.core.video import open_view
 from pawnb.core.video.packed import display_times
@@ -55,6 +55,20 @@ def test_packed_pictures_are_read_in_the_order_in_which_they_are_shown(tmp_path,
         for k in np.random.default_rng(2).permutation(N):
             assert barcode(view.read(k)) == k
             np.testing.assert_array_equal(view.read(k), plain.read(k))
+
+
+def test_packed_pictures_of_a_file_that_is_cut_anywhere(tmp_path):
+    options = {"bf": "2", "g": "12"}
+    write_clip(tmp_path / "a.avi", codec="mpeg4", pix_fmt="yuv420p", options=options)
+    data = pack(tmp_path / "a.avi", tmp_path / "clip.avi").read_bytes()
+    first = packet_bytes(tmp_path / "clip.avi", 20)[0]
+    for at in range(first, first + 400, 41):
+        (tmp_path / "clip.avi").write_bytes(data[:at])
+        with open_view(View(name="v", video="clip.avi"), tmp_path) as view:
+            shown = [barcode(view.read(k)) for k in range(view.n_frames)]
+            assert shown == list(range(len(shown)))
+            assert len(shown) > 12
+            assert "is cut short" in " ".join(view.source.notes)
 
 
 def test_display_times():
