@@ -19,7 +19,7 @@ _MORE = (
     "Anipose or Pose2Sim (.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), or DLT "
     "coefficients (--from). Written are DLTcoefs.csv and, where a lens bends, lenses.toml; or, "
     "of a FILE, a calibration for another program (--to). Exit status: 0; 2 on bad input; 3 where "
-    "--judge finds a camera that does not belong."
+    "views of a board do not agree, or --judge finds a camera that does not belong."
 )
 
 _TARGETS = (

@@ -15,7 +15,7 @@ from pawnb.files import read_toml
 _FIELDS = ("board_x", "board_y", "square_length", "marker_length", "marker_bits", "dict_size")
 _MARKER_BITS = (4, 5, 6, 7)
 _DICTIONARY_SIZES = (50, 100, 250, 1000)
-_FEWEST, _MOST = 3, 100
+FEWEST_SQUARES, MOST_SQUARES = 3, 100
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,10 +57,10 @@ class Board:
 
     def __post_init__(self) -> None:
         for name, value in (("board_x", self.columns), ("board_y", self.rows)):
-            if not (_whole(value) and _FEWEST <= value <= _MOST):
+            if not (_whole(value) and FEWEST_SQUARES <= value <= MOST_SQUARES):
                 raise InputError(
                     f"{name} is {value!r}; expected the number of squares along that side, "
-                    f"{_FEWEST} to {_MOST}."
+                    f"{FEWEST_SQUARES} to {MOST_SQUARES}."
                 )
         if not _length(self.square):
             raise InputError(

@@ -15,7 +15,12 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.calibration.optics import show_points
-from pawnb.core.calibration.rig_from_boards import BoardFit, Sightings, calibrate_by_boards
+from pawnb.core.calibration.rig_from_boards import (
+    BoardFit,
+    Sightings,
+    calibrate_by_boards,
+    tell_disagreement,
+)
 from pawnb.core.calibration.scene_lines import scene_lines
 from pawnb.errors import InputError
 from pawnb.io.boards import Board
@@ -201,6 +206,8 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
         each = [f"{r.view} {r.shot} ({r.rms_px:.1f} px)" for r in aside.itertuples()]
         if each:
             said += f" Set aside: {', '.join(each)}."
+        if (doubt := tell_disagreement(self.fitted)) is not None:
+            said = f"⚠ {doubt[0].upper()}{doubt[1:]}.\n{said}"
         return (
             f"{said}\nThe yellow grid lies on the board of frame {self.fitted.floor} in every "
             "view, z points up from it. F takes the board of the frame on the screen instead."

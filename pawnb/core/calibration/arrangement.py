@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.calibration.corners import FEWEST_CORNERS
 from pawnb.errors import CalibrationError
 
@@ -30,7 +31,7 @@ class Arrangement:
     boards : ndarray, shape (n_shots, 4, 4)
         Positions on the board to those in space; NaN where no view saw it.
     uv : ndarray, shape (n_views, n_shots, n_corners, 2)
-        What was seen, corners of a checkerboard counted from the same end in every view.
+        What was seen, corners of a checkerboard counted from the same one in every view.
     first : int
         The camera whose axes they are.
     """
@@ -62,7 +63,7 @@ def arrange(
     names : tuple of str
         Names of the views.
     may_be_turned : bool
-        Whether corners may be counted from the other end, as on a checkerboard.
+        Whether corners may be counted from another one, as on a checkerboard.
 
     Returns
     -------
@@ -74,7 +75,7 @@ def arrange(
     CalibrationError
         If a view shares no shot with the others.
     """
-    uv = uv.copy()
+    uv, orders = uv.copy(), orders_of_corners(corners, may_be_turned=may_be_turned)
     n_views, n_shots = uv.shape[:2]
     poses = np.full((n_views, n_shots, 4, 4), np.nan)
     for v in range(n_views):
@@ -95,13 +96,16 @@ def arrange(
                 f"{', '.join(names[v] for v in placed)}; show the board to two views at one "
                 "instant, and give their pictures in the same order."
             )
-        relation, turned = _relation(corners, uv, poses, (a, b), lenses[b], may_be_turned)
-        for s in turned:
-            uv[b, s] = uv[b, s, ::-1]
+        relation, order = _relation(corners, uv, poses, (a, b), lenses[b], orders)
+        for s, k in order.items():
+            uv[b, s] = uv[b, s, orders[k]]
             poses[b, s] = pose_of_board(corners, uv[b, s], lenses[b])
         cameras[b] = relation @ cameras[a]
         placed.append(b)
-    return Arrangement(cameras, _boards(corners, uv, poses, cameras, lenses), uv, first)
+    boards = _boards(corners, uv, poses, cameras, lenses, orders)
+    return Arrangement(
+        cameras, boards, _counted_alike(corners, uv, boards, cameras, lenses, orders), first
+    )
 
 
 def place_boards(
@@ -118,14 +122,15 @@ def place_boards(
     rows : ndarray, shape (n_views, 15)
         The cameras (:mod:`pawnb.core.calibration.optics`).
     may_be_turned : bool
-        Whether corners may be counted from the other end.
+        Whether corners may be counted from another one.
 
     Returns
     -------
     Arrangement
         The cameras as they are, and the boards where the median view wants them.
     """
-    uv, lenses = uv.copy(), rows[:, :9]
+    lenses = rows[:, :9]
+    orders = orders_of_corners(corners, may_be_turned=may_be_turned)
     n_views, n_shots = uv.shape[:2]
     cameras = np.tile(np.eye(4), (n_views, 1, 1))
     cameras[:, :3, :3] = Rotation.from_rotvec(rows[:, 9:12]).as_matrix()
@@ -134,13 +139,36 @@ def place_boards(
         [[pose_of_board(corners, uv[v, s], lenses[v]) for s in range(n_shots)]
          for v in range(n_views)]
     )  # fmt: skip
-    boards = _boards(corners, uv, poses, cameras, lenses)
-    if may_be_turned:
-        for v, s in np.argwhere(np.isfinite(poses[..., 0, 0])):
-            near, far = _errors(corners, uv[v, s], cameras[v] @ boards[s], lenses[v])
-            if far < near:
-                uv[v, s] = uv[v, s, ::-1]
-    return Arrangement(cameras, boards, uv, 0)
+    boards = _boards(corners, uv, poses, cameras, lenses, orders)
+    return Arrangement(
+        cameras, boards, _counted_alike(corners, uv, boards, cameras, lenses, orders), 0
+    )
+
+
+def orders_of_corners(corners: FloatArray, *, may_be_turned: bool) -> IntArray:
+    """Return the orders in which the corners of a board may have been counted.
+
+    Parameters
+    ----------
+    corners : ndarray, shape (n_corners, 3)
+        Corners on the board.
+    may_be_turned : bool
+        Whether nothing on the board tells one end from the other.
+
+    Returns
+    -------
+    ndarray of int, shape (n_orders, n_corners)
+        As they are first; then turned by 180 degrees and, where as many squares lie along both
+        sides, by 90 and 270.
+    """
+    flat = corners[:, :2] - corners[:, :2].mean(axis=0)
+    orders = [np.arange(len(flat))]
+    for cosine, sine in ((-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)) if may_be_turned else ():
+        turned = flat @ np.array([[cosine, -sine], [sine, cosine]])
+        away, order = cKDTree(flat).query(turned)
+        if np.allclose(away, 0.0, atol=1e-6 * float(np.abs(flat).max())):
+            orders.append(order)
+    return np.stack(orders)
 
 
 def pose_of_board(corners: FloatArray, uv: FloatArray, lens: FloatArray) -> Pose:
@@ -184,37 +212,34 @@ def _relation(
     poses: FloatArray,
     pair: tuple[int, int],
     lens: FloatArray,
-    may_be_turned: bool,
-) -> tuple[Pose, list[int]]:
-    """Return how view b stands to view a, and in which shots b counts from the other end.
+    orders: IntArray,
+) -> tuple[Pose, dict[int, int]]:
+    """Return how view b stands to view a, and in which order b counts the corners of each shot.
 
     Each shared shot says it; taken is what fits the median shot best.
     """
     a, b = pair
     shots = np.flatnonzero(np.isfinite(poses[a, :, 0, 0]) & np.isfinite(poses[b, :, 0, 0]))
     tried = shots[np.unique(np.linspace(0, len(shots) - 1, _MOST_CANDIDATES).astype(int))]
-    best, best_error, turned = poses[b, shots[0]], np.inf, np.zeros(len(shots), bool)
+    best, best_error, counted = poses[b, shots[0]], np.inf, np.zeros(len(shots), int)
     for s in tried:
-        ends = (uv[b, s], uv[b, s, ::-1]) if may_be_turned else (uv[b, s],)
-        for seen in ends:
-            relation = pose_of_board(corners, seen, lens) @ np.linalg.inv(poses[a, s])
+        for order in orders:
+            relation = pose_of_board(corners, uv[b, s, order], lens) @ np.linalg.inv(poses[a, s])
             errors = np.array(
-                [_errors(corners, uv[b, t], relation @ poses[a, t], lens) for t in shots]
+                [_errors(corners, uv[b, t], relation @ poses[a, t], lens, orders) for t in shots]
             )
-            own = errors.min(axis=1) if may_be_turned else errors[:, 0]
-            if np.median(own) < best_error:
-                best, best_error = relation, float(np.median(own))
-                turned = may_be_turned & (errors[:, 1] < errors[:, 0])
-    return best, [int(s) for s in shots[turned]]
+            if (error := float(np.median(errors.min(axis=1)))) < best_error:
+                best, best_error, counted = relation, error, errors.argmin(axis=1)
+    return best, dict(zip(shots.tolist(), counted.tolist(), strict=True))
 
 
-def _errors(corners: FloatArray, uv: FloatArray, pose: Pose, lens: FloatArray) -> list[float]:
-    """Return the RMS error in px of a board so posed, counted from either end."""
+def _errors(
+    corners: FloatArray, uv: FloatArray, pose: Pose, lens: FloatArray, orders: IntArray
+) -> list[float]:
+    """Return the RMS error in px of a board so posed, counted in each order."""
     rvec = cv2.Rodrigues(pose[:3, :3])[0]
     shown = cv2.projectPoints(corners, rvec, pose[:3, 3], _matrix(lens), lens[4:9])[0][:, 0]
-    return [
-        float(np.sqrt(np.nanmean(((shown - seen) ** 2).sum(axis=1)))) for seen in (uv, uv[::-1])
-    ]
+    return [float(np.sqrt(np.nanmean(((shown - uv[order]) ** 2).sum(axis=1)))) for order in orders]
 
 
 def _boards(
@@ -223,6 +248,7 @@ def _boards(
     poses: FloatArray,
     cameras: FloatArray,
     lenses: FloatArray,
+    orders: IntArray,
 ) -> FloatArray:
     """Return where each board is in space: by the view whose word fits all views best."""
     n_views, n_shots = poses.shape[:2]
@@ -232,13 +258,33 @@ def _boards(
         said = [np.linalg.inv(cameras[v]) @ poses[v, s] for v in seeing]
         costs = [
             np.median(
-                [min(_errors(corners, uv[v, s], cameras[v] @ one, lenses[v])) for v in seeing]
+                [
+                    min(_errors(corners, uv[v, s], cameras[v] @ one, lenses[v], orders))
+                    for v in seeing
+                ]
             )
             for one in said
         ]
         if said:
             boards[s] = said[int(np.argmin(costs))]
     return boards
+
+
+def _counted_alike(
+    corners: FloatArray,
+    uv: FloatArray,
+    boards: FloatArray,
+    cameras: FloatArray,
+    lenses: FloatArray,
+    orders: IntArray,
+) -> FloatArray:
+    """Return corners in the order that suits where each board is: two views need not share it."""
+    uv = uv.copy()
+    is_seen = np.isfinite(uv[..., 0]).sum(axis=-1) >= FEWEST_CORNERS
+    for v, s in np.argwhere(is_seen & np.isfinite(boards[:, 0, 0])):
+        errors = _errors(corners, uv[v, s], cameras[v] @ boards[s], lenses[v], orders)
+        uv[v, s] = uv[v, s, orders[int(np.argmin(errors))]]
+    return uv
 
 
 def _matrix(lens: FloatArray) -> FloatArray:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 
 from pawnb.arrays import ByteArray, FloatArray
-from pawnb.io.boards import Board
+from pawnb.io.boards import FEWEST_SQUARES, MOST_SQUARES, Board
 
 FEWEST_CORNERS = 6
 """Corners of a shot below which it says too little about a view."""
@@ -59,6 +61,32 @@ class CornerFinder:
                 uv[:] = np.nan
                 uv[np.ravel(ids)] = np.reshape(corners, (-1, 2)) - self._shift
         return uv
+
+
+def other_boards(board: Board) -> list[Board]:
+    """Return boards that a person may have meant, the likeliest first.
+
+    Parameters
+    ----------
+    board : Board
+        The board as described.
+
+    Returns
+    -------
+    list of Board
+        Of one more square along both sides (inner corners were counted), along one, then fewer;
+        with markers also the sides exchanged, which a checkerboard does not tell.
+    """
+    columns, rows = board.columns, board.rows
+    sizes = [(columns + i, rows + j) for i, j in ((1, 1), (1, 0), (0, 1), (-1, -1))]
+    if board.marker is not None:
+        sizes.insert(1, (rows, columns))
+        sizes.insert(2, (rows + 1, columns + 1))
+    return [
+        replace(board, columns=x, rows=y)
+        for x, y in sizes
+        if (x, y) != (columns, rows) and FEWEST_SQUARES <= min(x, y) <= max(x, y) <= MOST_SQUARES
+    ]
 
 
 def _detectors(board: Board, marker: float) -> tuple[cv2.aruco.CharucoDetector, ...]:

@@ -39,7 +39,7 @@ class Sightings:
     uv : ndarray, shape (n_views, n_shots, n_corners, 2)
         Where they are seen, px of the picture as filmed; NaN where they are not.
     may_be_turned : bool
-        Whether corners may be counted from the other end, as on a checkerboard.
+        Whether corners may be counted from another one, as on a checkerboard.
     """
 
     names: tuple[str, ...]
@@ -59,6 +59,9 @@ class BoardFit:
         The cameras, in the axes of the board of one shot.
     shots : DataFrame
         ``view, shot, n_corners, rms_px, worst_px, set_aside``: a row for each shot that a view saw.
+    uv : ndarray, shape (n_views, n_shots, n_corners, 2)
+        Where corners were seen, px: counted from the same one in every view, NaN where a shot is
+        set aside.
     lenses : tuple of LensFit
         How each lens was found; empty for cameras that were only judged.
     floor : int or None
@@ -67,6 +70,7 @@ class BoardFit:
 
     cameras: tuple[Camera, ...]
     shots: pd.DataFrame
+    uv: FloatArray
     lenses: tuple[LensFit, ...] = ()
     floor: int | None = None
 
@@ -147,7 +151,9 @@ def calibrate_by_boards(
         camera_of_row(moved(row, R, pose[3:]), name=name, size=size)
         for row, name, size in zip(found.cameras, names, sightings.sizes, strict=True)
     )
-    return BoardFit(cameras=cameras, shots=shots, lenses=lenses, floor=at)
+    return BoardFit(
+        cameras=cameras, shots=shots, uv=_agreed(start.uv, names, shots), lenses=lenses, floor=at
+    )
 
 
 def judge_by_boards(cameras: Sequence[Camera], sightings: Sightings) -> BoardFit:
@@ -171,7 +177,9 @@ def judge_by_boards(cameras: Sequence[Camera], sightings: Sightings) -> BoardFit
         sightings.corners, sightings.uv, rows, may_be_turned=sightings.may_be_turned
     )
     _, shots = _adjusted(sightings, start, rows, np.zeros(rows.shape, bool), set())
-    return BoardFit(cameras=tuple(cameras), shots=shots)
+    return BoardFit(
+        cameras=tuple(cameras), shots=shots, uv=_agreed(start.uv, sightings.names, shots)
+    )
 
 
 def find_outlying_views(shots: pd.DataFrame) -> list[str]:
@@ -190,6 +198,39 @@ def find_outlying_views(shots: pd.DataFrame) -> list[str]:
     rms = shots.groupby("view", sort=False)["rms_px"].median()
     usual = {view: rms.drop(view).median() for view in rms.index} if len(rms) > 1 else {}
     return [v for v in usual if rms[v] > max(OUTLYING * usual[v], LEAST_OUTLYING_PX)]
+
+
+def tell_disagreement(fit: BoardFit) -> str | None:
+    """Say which views show boards well alone, and badly together with the others.
+
+    Parameters
+    ----------
+    fit : BoardFit
+        Cameras of :func:`calibrate_by_boards`. Films that are out of step by a frame or two bend
+        all cameras a little, so that no single one stands out.
+
+    Returns
+    -------
+    str or None
+        A sentence with the error of each such view; None where the views agree, or cameras were
+        judged only.
+    """
+    if not fit.lenses:
+        return None
+    names = [camera.name for camera in fit.cameras]
+    alone = {name: lens.rms_px for name, lens in zip(names, fit.lenses, strict=True)}
+    # with those set aside: what is left of films out of step are shots in which nothing moved
+    both = fit.shots.groupby("view")["rms_px"].median()
+    off = [v for v in names if both[v] > max(OUTLYING * alone[v], LEAST_OUTLYING_PX)]
+    if not off:
+        return None
+    each = ", ".join(f"{v} {both[v]:.1f} px together, {alone[v]:.1f} alone" for v in off)
+    return (
+        f"the views do not agree, though each alone shows the board well ({each}): pictures "
+        "of one number are not of one instant (a film was started some frames later, frames were "
+        "dropped, the board was moved between pictures), or a camera was moved; positions in space "
+        "will be wrong: bring frames of one instant to one number, and calibrate again"
+    )
 
 
 def _without_outliers(
@@ -271,6 +312,14 @@ def _adjusted(
     is_aside = [pair in aside for pair in zip(shots["view"], shots["shot"], strict=True)]
     shots = shots.assign(set_aside=np.array(is_aside, bool))
     return found, shots[["view", "shot", "n_corners", "rms_px", "worst_px", "set_aside"]]
+
+
+def _agreed(uv: FloatArray, names: Sequence[str], shots: pd.DataFrame) -> FloatArray:
+    """Return corners without those of shots that are set aside."""
+    uv = uv.copy()
+    for row in shots[shots["set_aside"]].itertuples():
+        uv[names.index(str(row.view)), int(str(row.shot))] = np.nan
+    return uv
 
 
 def _floor(shots: pd.DataFrame, floor: int | None, *, n_shots: int) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,15 @@ import cv2
 import numpy as np
 import pandas as pd
 
-from pawnb.core.calibration.corners import FEWEST_CORNERS, CornerFinder
+from pawnb.arrays import FloatArray
+from pawnb.core.calibration.corners import FEWEST_CORNERS, CornerFinder, other_boards
 from pawnb.core.calibration.rig_from_boards import (
     BoardFit,
     Sightings,
     calibrate_by_boards,
     find_outlying_views,
     judge_by_boards,
+    tell_disagreement,
 )
 from pawnb.core.dlt import triangulate
 from pawnb.core.lens import Lens
@@ -31,6 +33,9 @@ from pawnb.workflow.calibration.written import Written, find_copies, write_calib
 
 MOST_SHOTS = 100
 """Pictures of a film that are looked at, evenly over it: more say nothing new."""
+
+_MOST_TRIED = 8
+"""Pictures in which boards of other squares are looked for where the board is in none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +77,7 @@ class BoardCalibration:
     @property
     def is_sound(self) -> bool:
         """Whether all views agree."""
-        return not find_outlying_views(self.fit.shots)
+        return not find_outlying_views(self.fit.shots) and tell_disagreement(self.fit) is None
 
     def text(self) -> str:
         """Return the error of each view, remarks and the lines of ``trial.toml``."""
@@ -153,7 +158,8 @@ def calibrate_from_board(
     fit = calibrate_by_boards(sightings, floor=floor if floor is None else _place(shots, floor))
     fit = numbered(fit, shots)
     written = None if out is None else write_calibration(fit.cameras, out)
-    remarks = (*notes, *_set_aside(fit.shots))
+    doubt = tell_disagreement(fit)
+    remarks = (*notes, *_set_aside(fit.shots), *([] if doubt is None else [f"look: {doubt}"]))
     return _result(fit, sightings, remarks, written)
 
 
@@ -255,12 +261,7 @@ def find_boards(
                 if progress is not None:
                     progress(v * len(shots) + s + 1, len(readers) * len(shots))
             if (np.isfinite(uv[v, ..., 0]).sum(axis=-1) < FEWEST_CORNERS).all():
-                kind = "checkerboard" if board.marker is None else "ChArUco board"
-                raise CalibrationError(
-                    f"no board is found in view {reader.name!r} in any of {len(shots)} pictures; "
-                    f"expected a {kind} of {board.columns} x {board.rows} squares, whole and "
-                    "sharp: check board.toml and the pictures."
-                )
+                raise _none_found(board, reader, shots)
         sizes = tuple((reader.width, reader.height) for reader in readers.values())
     finally:
         for reader in readers.values():
@@ -273,6 +274,27 @@ def find_boards(
         may_be_turned=finder.may_be_turned,
     )
     return sightings, shots, notes
+
+
+def _none_found(board: Board, reader: ViewReader, shots: np.ndarray) -> CalibrationError:
+    """Make the error for a view without the board: boards of other squares are looked for."""
+    kind = "checkerboard" if board.marker is None else "ChArUco board"
+    said = f"expected a {kind} of {board.columns} x {board.rows} squares"
+    tried = shots[np.unique(np.linspace(0, len(shots) - 1, _MOST_TRIED).astype(int))]
+    pictures = [_grey(reader, int(index)) for index in tried]
+    for other in other_boards(board):
+        finder = CornerFinder(other)
+        if any(np.isfinite(finder.find(picture)).any() for picture in pictures):
+            return CalibrationError(
+                f"no board is found in view {reader.name!r} in any of {len(shots)} pictures: "
+                f"{said}, but one of {other.columns} x {other.rows} is there: board_x and board_y "
+                "count squares, black and white ones, and not the corners between them; mend "
+                "board.toml."
+            )
+    return CalibrationError(
+        f"no board is found in view {reader.name!r} in any of {len(shots)} pictures; {said}, whole "
+        "and sharp: check board.toml and the pictures."
+    )
 
 
 def _open(name: str, path: str | Path) -> ViewReader:
@@ -332,7 +354,7 @@ def numbered(fit: BoardFit, shots: np.ndarray) -> BoardFit:
     """
     floor = None if fit.floor is None else int(shots[fit.floor])
     table = fit.shots.assign(shot=shots[fit.shots["shot"].to_numpy(int)])
-    return BoardFit(cameras=fit.cameras, shots=table, lenses=fit.lenses, floor=floor)
+    return replace(fit, shots=table, floor=floor)
 
 
 def _set_aside(shots: pd.DataFrame) -> list[str]:
@@ -349,25 +371,25 @@ def _result(
 ) -> BoardCalibration:
     """Measure the squares in space and put everything together."""
     square = float(np.linalg.norm(sightings.corners[1] - sightings.corners[0]))
-    sides = _sides(fit, sightings)
+    sides = _sides(fit, sightings.corners)
     return BoardCalibration(
         fit=fit, sides=sides, square=square, remarks=tuple(remarks), written=written
     )
 
 
-def _sides(fit: BoardFit, sightings: Sightings) -> np.ndarray:
+def _sides(fit: BoardFit, corners: FloatArray) -> np.ndarray:
     """Return distances of neighbouring corners that were triangulated, without rigid boards."""
     straight = np.stack(
         [
             Lens(matrix=tuple(map(tuple, c.matrix)), distortion=c.distortion or (0.0,) * 5)
-            .straighten(sightings.uv[v])
+            .straighten(fit.uv[v])
             for v, c in enumerate(fit.cameras)
         ],
         axis=-2,
     )  # fmt: skip
     coefs, _ = coefs_of_cameras(fit.cameras)
     xyz = triangulate(coefs, straight, even=True).xyz
-    step = np.linalg.norm(np.diff(sightings.corners, axis=0), axis=1)
+    step = np.linalg.norm(np.diff(corners, axis=0), axis=1)
     beside = np.isclose(step, step.min())
     sides = np.linalg.norm(np.diff(xyz, axis=1), axis=-1)[:, beside]
     return sides[np.isfinite(sides)]

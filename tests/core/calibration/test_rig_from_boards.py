@@ -1,5 +1,7 @@
 """Cameras that are known come back from the corners that OpenCV projects by them."""
 
+import sys
+
 import cv2
 import numpy as np
 import pytest
@@ -141,3 +143,32 @@ def test_a_camera_that_is_a_copy_of_another_has_all_of_the_error():
     expected = np.sqrt(((shown_by_copy - seen[2]) ** 2).sum(axis=-1).mean())
     assert fit.of_view("right")["rms_px"] == pytest.approx(expected, rel=0.1)
     assert cv2.norm(wrong[2].translation - right[1].translation) == 0
+
+
+@pytest.mark.slow
+def test_a_board_as_wide_as_high_may_be_counted_from_any_corner(monkeypatch):
+    board = Board(columns=6, rows=6, square=40.0)
+    monkeypatch.setattr(sys.modules[__name__], "BOARD", board)
+    quarter = np.rot90(np.arange(25).reshape(5, 5)).ravel()
+
+    def turn(uv):
+        for v, s in ((0, 1), (1, 2), (2, 2), (2, 5), (1, 7), (1, 9)):
+            uv[v, s] = uv[v, s, quarter].copy()
+        uv[2, 6] = uv[2, 6, ::-1].copy()
+
+    fit = calibrate_by_boards(sightings(may_be_turned=True, change=turn))
+    assert not fit.shots["set_aside"].any()
+    assert np.isfinite(fit.uv).all()
+    assert max(fit.of_view(name)["rms_px"] for name in NAMES) < 0.2
+
+
+@pytest.mark.slow
+def test_counting_is_told_for_views_that_share_a_shot_with_others_than_they_were_placed_by():
+    def turn(uv):
+        uv[0, 8:] = np.nan  # the left view shares shots 8 to 11 with none
+        uv[2, :3] = np.nan
+        uv[1, 7] = np.nan  # shot 7 is seen by the left and the right view only
+        uv[2, 7] = uv[2, 7, ::-1].copy()
+
+    fit = calibrate_by_boards(sightings(may_be_turned=True, change=turn))
+    assert not fit.shots["set_aside"].any()

@@ -8,9 +8,11 @@ import cv2
 import numpy as np
 import pandas as pd
 import pytest
-from board_scene import NAMES, board_poses, paint, shown, true_cameras
+from board_scene import NAMES, board_poses, draw_board, paint, seen_corners, shown, true_cameras
 
 from pawnb import cli
+from pawnb.core.calibration.corners import CornerFinder
+from pawnb.core.calibration.rig_from_boards import Sightings
 from pawnb.core.dlt import project, triangulate
 from pawnb.core.lens import load_lenses
 from pawnb.errors import CalibrationError, InputError
@@ -202,3 +204,65 @@ def test_films_of_different_length_are_matched_by_frame(tmp_path):
     pictures = {name: tmp_path / f"{name}.avi" for name in "ab"}
     with pytest.raises(CalibrationError, match=r"view 'a' in any of 4 pictures"):
         find_boards(BOARD, pictures)
+
+
+@pytest.mark.slow
+def test_squares_in_space_are_of_corners_counted_alike(tmp_path, monkeypatch):
+    """OpenCV may count a checkerboard of an even number of squares from either end."""
+    board = Board(columns=6, rows=4, square=40.0)
+    find, n = CornerFinder.find, []
+
+    def from_either_end(self, grey):
+        n.append(0)
+        return find(self, grey)[:: -1 if len(n) > 6 and len(n) % 2 else 1]
+
+    monkeypatch.setattr(CornerFinder, "find", from_either_end)
+    for name, camera in zip(NAMES[:2], true_cameras()[:2], strict=True):
+        (tmp_path / name).mkdir()
+        for s, pose in enumerate(board_poses(6, board.corners(), seed=5)):
+            cv2.imwrite(str(tmp_path / name / f"{s}.png"), paint(camera, pose, board))
+    found = calibrate_from_board(board, {name: tmp_path / name for name in NAMES[:2]})
+    assert len(found.sides) == 6 * 4 * 3  # 5 x 3 corners have 12 sides along the rows
+    assert np.abs(found.sides - 40.0).max() < 1.0  # mm; 200 where counted from two ends
+
+
+@pytest.mark.parametrize(("counted", "marker"), [((6, 4), None), ((6, 4), 30.0), ((5, 7), 30.0)])
+def test_corners_counted_for_squares_are_said(tmp_path, counted, marker):
+    board = Board(columns=7, rows=5, square=40.0, marker=marker)
+    for name in NAMES[:2]:
+        (tmp_path / name).mkdir()
+        on_paper = np.pad(draw_board(board, per_square=40), 60, constant_values=255)
+        cv2.imwrite(str(tmp_path / name / "0.png"), on_paper)
+    wrong = Board(columns=counted[0], rows=counted[1], square=40.0, marker=marker)
+    with pytest.raises(CalibrationError, match="but one of 7 x 5 is there: board_x and board_y"):
+        find_boards(wrong, {name: tmp_path / name for name in NAMES[:2]})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("late", [0, 1])
+def test_a_film_that_is_a_frame_late_is_said(monkeypatch, late):
+    """A board that is moved slowly, of which every eighth frame is looked at: one frame late
+    bends all cameras a little."""
+    corners = BOARD.corners()
+    faces = board_poses(1, corners, seed=0)[0][0]
+
+    def moved(a):
+        R = cv2.Rodrigues(np.array([np.sin(2 * a), np.cos(3 * a), np.sin(a)]) * 0.2)[0] @ faces
+        place = np.array([60.0 * np.sin(a), 40.0 * np.cos(2 * a), 40.0 * np.cos(a)])
+        return R, place - R @ corners.mean(axis=0)
+
+    frame = 2.0 * np.pi / 24 / 8
+    uv = np.concatenate(
+        [
+            seen_corners([camera], [moved(frame * (8 * k - lag)) for k in range(24)], corners)
+            for camera, lag in zip(true_cameras(), (0, late, 0), strict=True)
+        ]
+    )
+    uv += np.random.default_rng(0).normal(0.0, 0.1, uv.shape)
+    seen = Sightings(names=NAMES, sizes=((640, 480),) * 3, corners=corners, uv=uv)
+    monkeypatch.setattr(
+        "pawnb.workflow.calibration.board.find_boards", lambda *_, **__: (seen, np.arange(24), [])
+    )
+    found = calibrate_from_board(BOARD, dict.fromkeys(NAMES, "films"))
+    assert found.is_sound is not bool(late)
+    assert ("the views do not agree, though each alone" in found.text()) is bool(late)
