@@ -22,6 +22,7 @@ from pawnb.files import read_toml
 from pawnb.io.cameras import Camera, read_cameras
 from pawnb.trial import Trial
 
+_FIELDS = ("matrix", "distortion", "size")
 _COUNTS = (4, 5, 8, 12, 14)
 _INT16 = (-(2**15), 2**15 - 1)
 
@@ -36,10 +37,13 @@ class Lens:
         3 x 3 camera matrix in px of the whole, unmirrored picture.
     distortion : tuple of float
         4, 5, 8, 12 or 14 coefficients in OpenCV's order k1, k2, p1, p2, k3, ...
+    size : tuple of int, optional
+        Width and height of the pictures that it was measured with, px.
     """
 
     matrix: tuple[tuple[float, ...], ...]
     distortion: tuple[float, ...]
+    size: tuple[int, int] | None = None
 
     def straighten(self, uv: FloatArray) -> FloatArray:
         """Return where positions (..., 2) of the filmed picture lie in the straightened one."""
@@ -56,7 +60,7 @@ class Lens:
 
 
 def load_lenses(path: str | Path) -> dict[str, Lens]:
-    """Read ``lenses.toml``: a section per view with ``matrix`` and ``distortion``.
+    """Read ``lenses.toml``: a section per view with ``matrix``, ``distortion`` and ``size``.
 
     Parameters
     ----------
@@ -138,6 +142,7 @@ def lenses_of_views(trial: Trial, names: Sequence[str]) -> dict[str, Lens]:
             name: Lens(
                 matrix=tuple(tuple(float(x) for x in row) for row in camera.matrix),
                 distortion=camera.distortion,
+                size=camera.size,
             )
             for name, camera in cameras_of_views(trial, names).items()
             if not camera.is_straight
@@ -159,10 +164,10 @@ def _lens(section: Any, where: str) -> Lens:
     if not isinstance(section, dict):
         raise InputError(f"{where}: expected a section with matrix and distortion.")
     for name in section:
-        if name not in ("matrix", "distortion"):
+        if name not in _FIELDS:
             raise InputError(
-                f"{where}: unknown field {name!r}{did_you_mean(name, ('matrix', 'distortion'))}; "
-                "known are matrix, distortion."
+                f"{where}: unknown field {name!r}{did_you_mean(name, _FIELDS)}; known are "
+                f"{', '.join(_FIELDS)}."
             )
     matrix = _numbers(section.get("matrix"))
     if matrix is None or matrix.shape != (3, 3):
@@ -179,7 +184,16 @@ def _lens(section: Any, where: str) -> Lens:
             f"{', '.join(map(str, _COUNTS[:-1]))} or {_COUNTS[-1]} numbers."
         )
     rows = tuple(tuple(float(x) for x in row) for row in matrix)
-    return Lens(matrix=rows, distortion=tuple(float(x) for x in distortion))
+    size = section.get("size")
+    if size is not None and not (
+        isinstance(size, list) and len(size) == 2 and all(type(x) is int and x > 0 for x in size)
+    ):
+        raise InputError(f"{where}: size is {size!r}; expected width and height in px, or nothing.")
+    return Lens(
+        matrix=rows,
+        distortion=tuple(float(x) for x in distortion),
+        size=None if size is None else (size[0], size[1]),
+    )
 
 
 def _numbers(value: Any) -> np.ndarray | None:

@@ -21,8 +21,8 @@ from pawnb.errors import CalibrationError
 from pawnb.files import parse_toml, read_text
 
 _EXPECTED = (
-    "calibrated cameras of Anipose or Pose2Sim (.toml), OpenCV (.yaml, .yml) or XMALab (MayaCam "
-    "2.0, .txt)"
+    "calibrated cameras of Anipose, Pose2Sim or caliscope (.toml), OpenCV (.yaml, .yml) or XMALab "
+    "(MayaCam 2.0, .txt)"
 )
 _COUNTS = (0, 4, 5, 8, 12, 14)
 _MATRIX = re.compile(
@@ -87,7 +87,8 @@ def read_cameras(path: str | Path, *more: str | Path) -> list[Camera]:
     Parameters
     ----------
     path : str or Path
-        ``calibration.toml`` of Anipose (aniposelib) or Pose2Sim; ``.yaml`` of OpenCV's
+        ``calibration.toml`` of Anipose (aniposelib) or Pose2Sim, ``camera_array.toml`` of
+        caliscope (camera 0 is called ``cam_0``, as its film is); ``.yaml`` of OpenCV's
         FileStorage, where names tell what a matrix is: ``K_cam1, dist_cam1, Rot_cam1`` (or
         ``R_cam1``), ``T_cam1`` (EasyMocap; rotations may be in ``extri.yml`` beside
         ``intri.yml``), ``M1, D1, M2, D2, R, T`` of a pair of cameras (OpenCV's stereo
@@ -139,10 +140,10 @@ def _read_file(path: Path) -> list[Camera]:
 
 
 def _read_toml(path: Path, text: str) -> list[Camera]:
-    """Read cameras as aniposelib and Pose2Sim write them: a section each."""
+    """Read cameras as aniposelib, Pose2Sim and caliscope write them: a section each."""
     document = parse_toml(text, where=path.name, error=CalibrationError)
     cameras = []
-    for key, section in document.items():
+    for key, section in {**document, **_of_caliscope(document.get("cameras"))}.items():
         if not (isinstance(section, dict) and "matrix" in section):
             continue
         where = f"{path.name}: [{key}]"
@@ -166,6 +167,20 @@ def _read_toml(path: Path, text: str) -> list[Camera]:
     if not cameras:
         raise CalibrationError(f"{path.name}: no section of a camera; expected {_EXPECTED}.")
     return cameras
+
+
+def _of_caliscope(sections: Any) -> dict[str, Any]:
+    """Return sections ``[cameras.N]`` by the names that caliscope gives films, ``cam_N``.
+
+    Cameras that it has not placed yet are left out, as it does in files for Anipose.
+    """
+    if not isinstance(sections, dict):
+        return {}
+    return {
+        f"cam_{key}": section
+        for key, section in sections.items()
+        if isinstance(section, dict) and {"rotation", "translation"} <= section.keys()
+    }
 
 
 def _read_opencv(path: Path, text: str) -> list[Camera]:
@@ -292,6 +307,11 @@ def _camera(
     if K.shape != (3, 3) or not (K[0, 0] > 0 and K[1, 1] > 0 and (K[2] == (0, 0, 1)).all()):
         raise CalibrationError(
             f"{where}: matrix is none of a camera; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]."
+        )
+    if np.array_equal(K, np.eye(3)):
+        raise CalibrationError(
+            f"{where}: the camera is not calibrated yet (its matrix is 1, 0, 0 ...); calibrate it "
+            "in the program that wrote the file."
         )
     D = _array(distortion, "distortion", where).ravel()
     if len(D) not in _COUNTS:

@@ -57,7 +57,7 @@ def write_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
 
 
 def write_lenses(cameras: Sequence[Camera], path: str | Path) -> Path:
-    """Write ``lenses.toml``: matrix and distortion of each view.
+    """Write ``lenses.toml``: matrix and distortion of each view, and the size of its pictures.
 
     Parameters
     ----------
@@ -80,6 +80,7 @@ def write_lenses(cameras: Sequence[Camera], path: str | Path) -> Path:
         camera.name: {
             "matrix": camera.matrix.tolist(),
             "distortion": list(camera.distortion or (0.0,) * 5),
+            **({} if camera.size is None else {"size": list(camera.size)}),
         }
         for camera in cameras
     }

@@ -257,6 +257,35 @@ def test_a_file_that_is_no_calibration_says_why(tmp_path, old, new, message):
     assert "\n" not in str(caught.value)
 
 
+def test_cameras_of_caliscope_are_called_as_its_films(tmp_path):
+    """As caliscope 0.11.8 writes camera_array.toml; what it has not placed has no rotation."""
+    (tmp_path / "camera_array.toml").write_text(
+        "[cameras.0]\ncam_id = 0\nrotation_count = 1\nfisheye = false\nsize = [640, 480]\n"
+        "matrix = [[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]\n"
+        "distortions = [-0.2, 0.05, 0.001, 0.0, 0.0]\ntranslation = [0.0, 0.0, 0.404]\n"
+        "rotation = [1.72, 0.0, 0.0]\n\n[cameras.3]\ncam_id = 3\nsize = [640, 480]\n"
+        "matrix = [[800.0, 0.0, 319.5], [0.0, 800.0, 239.5], [0.0, 0.0, 1.0]]\n"
+    )
+    (camera,) = read_cameras(tmp_path / "camera_array.toml")
+    assert (camera.name, camera.size) == ("cam_0", (640, 480))
+    assert camera.distortion == (-0.2, 0.05, 0.001, 0.0, 0.0)
+    np.testing.assert_allclose(camera.rotation, cv2.Rodrigues(np.array([1.72, 0.0, 0.0]))[0])
+    np.testing.assert_allclose(camera.translation, [0.0, 0.0, 0.404])  # metres, as they stand
+
+
+def test_a_camera_that_is_not_calibrated_yet_is_told(tmp_path):
+    """As aniposelib 0.8 dumps cameras before they are calibrated."""
+    (path,) = anipose(tmp_path / "c.toml")
+    lines = [
+        "matrix = [ [ 1.0, 0.0, 0.0,], [ 0.0, 1.0, 0.0,], [ 0.0, 0.0, 1.0,],]"
+        if line.startswith("matrix") else line
+        for line in path.read_text().splitlines()
+    ]  # fmt: skip
+    path.write_text("\n".join(lines))
+    with pytest.raises(CalibrationError, match=r"\[cam_0\]: the camera is not calibrated yet"):
+        read_cameras(path)
+
+
 def test_a_rotation_that_mirrors_is_refused(tmp_path):
     (path,) = anipose(tmp_path / "c.toml")
     lines = path.read_text().splitlines()

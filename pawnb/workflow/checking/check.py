@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.core.lens import load_lenses
 from pawnb.core.pixels.grey import has_colour
 from pawnb.core.video import Frame, ViewReader, open_views
 from pawnb.errors import InputError, InputWarning, PawnbError
@@ -145,20 +146,25 @@ def _check_gait_settings(trial: Trial, report: CheckReport) -> None:
 
 
 def _check_camera_sizes(trial: Trial, report: CheckReport) -> None:
-    """Doubt cameras that another program calibrated with pictures of another size."""
-    file = trial.calibration.cameras if trial.calibration is not None else None
-    if file is None:
+    """Doubt cameras and lenses that were measured with pictures of another size."""
+    calibration = trial.calibration
+    file = calibration.cameras or calibration.lens if calibration is not None else None
+    if calibration is None or file is None:
         return
-    sizes = picture_sizes(trial)
+    shown = picture_sizes(trial)
     with suppress(PawnbError):  # what cannot be read is said where it is needed
-        for camera in read_cameras(trial.path(file)):
-            shown = sizes.get(camera.name)
-            if camera.size is not None and shown is not None and camera.size != shown:
+        made = (
+            {name: lens.size for name, lens in load_lenses(trial.path(file)).items()}
+            if calibration.cameras is None
+            else {camera.name: camera.size for camera in read_cameras(trial.path(file))}
+        )
+        for name, size in made.items():
+            if size is not None and name in shown and size != shown[name]:
                 report.doubts.append(
-                    f"{file}: camera {camera.name!r} was calibrated with pictures of "
-                    f"{camera.size[0]} x {camera.size[1]} px, and the video of that view has "
-                    f"{shown[0]} x {shown[1]}; calibrate with pictures of the video's size, or "
-                    "correct 'size' where only that is wrong"
+                    f"{file}: camera {name!r} was calibrated with pictures of "
+                    f"{size[0]} x {size[1]} px, and the video of that view has "
+                    f"{shown[name][0]} x {shown[name][1]}; calibrate with pictures of the video's "
+                    "size, or correct 'size' where only that is wrong"
                 )
 
 

@@ -26,6 +26,10 @@ from pawnb.workflow.tracking.trial_views import frame_range, paw_task, trial_rig
 MAX_CLICK_RESIDUAL_PX = 10.0
 """Clicks of one point in several views may disagree by so much."""
 
+MM_PER_UNIT = {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4}
+LEAST_APART_MM, MOST_APART_MM = 0.1, 1e4
+"""Points on one animal lie so far apart (by hand: a mite, a whale)."""
+
 
 def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
     """Add to a report what concerns points: the calibration, and the start clicks against it.
@@ -98,9 +102,22 @@ def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: Che
         turned = [trial.view(name).mirror for name in rig.names]
         signs = np.where(turned, 0, handedness(rig.coefs, xyz))
         report.doubts += tell_mirrored(rig.names, signs)
+    _doubt_unit(rig, xyz, report)
     for frame in sorted({frame for frame, _ in places}):
         own = {point: xyz for (at, point), xyz in places.items() if at == frame}
         _doubt_order_of_paws(rig, own, frame, report)
+
+
+def _doubt_unit(rig: Rig, xyz: np.ndarray, report: CheckReport) -> None:
+    """Doubt a unit in which the clicked points lie closer or wider than on any animal."""
+    if rig.unit not in MM_PER_UNIT or len(xyz) < 2:
+        return
+    apart = float(np.linalg.norm(np.ptp(xyz, axis=0)))
+    if not LEAST_APART_MM <= apart * MM_PER_UNIT[rig.unit] <= MOST_APART_MM:
+        report.doubts.append(
+            f"the clicked points lie {apart:.3g} {rig.unit} apart: [calibration] unit is not that "
+            "of the calibration (some programs count in metres), or its scale is wrong"
+        )
 
 
 def _doubt_order_of_paws(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 
 import cv2
@@ -151,6 +152,30 @@ def test_coefficients_in_the_order_of_other_views_are_doubted(small_trial):
     doubts = check_trial(small_trial).doubts
     (said,) = [one for one in doubts if one.startswith("in frame 0 the animal is turned round")]
     assert said.endswith("or the columns of the calibration are in another order than the views")
+
+
+def test_a_unit_in_which_no_animal_is_that_large_is_doubted(small_trial):
+    coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
+    coefs[[0, 1, 2, 4, 5, 6, 8, 9, 10]] *= 1000.0  # as a program writes that counts in metres
+    np.savetxt(small_trial / "DLTcoefs.csv", coefs, delimiter=",")
+    (doubt,) = check_trial(small_trial).doubts
+    assert re.match(r"the clicked points lie 0\.0\d+ mm apart: \[calibration\] unit is not", doubt)
+    change(small_trial, "trial.toml", 'unit = "mm"', 'unit = "m"')
+    assert check_trial(small_trial).doubts == []
+
+
+def test_lenses_of_pictures_of_another_size_are_doubted(small_trial):
+    lens = "matrix = [[900.0, 0, 205], [0, 900.0, 70], [0, 0, 1]]\ndistortion = [0, 0, 0, 0]\n"
+    sizes = ("410, 140", "820, 280", "410, 140", "410, 140")
+    (small_trial / "lenses.toml").write_text(
+        "".join(f"[cam{k + 1}]\n{lens}size = [{size}]\n" for k, size in enumerate(sizes))
+    )
+    change(small_trial, "trial.toml", 'unit = "mm"', 'unit = "mm"\nlens = "lenses.toml"')
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith(
+        "lenses.toml: camera 'cam2' was calibrated with pictures of 820 x 280 px, and the video of "
+        "that view has 410 x 140"
+    )
 
 
 def test_left_paws_under_the_names_of_right_ones_are_doubted(small_trial):
