@@ -16,10 +16,10 @@ _MORE = (
     "views; PICTURES is a video, a folder or a glob; pictures of one number are of one instant. "
     "--wand LENGTH ENDS.csv: a wand that was tracked in all views (frame, view, point, u, v). "
     "POINTS3D CLICKS: a csv with point, x, y, z and a csv with view, point, u, v. FILE: cameras of "
-    "Anipose, Pose2Sim or caliscope (.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), or "
-    "DLT coefficients (--from). Written are DLTcoefs.csv and, where a lens bends, lenses.toml; or, "
-    "of a FILE, a calibration for another program (--to). Exit status: 0; 2 on bad input; 3 where "
-    "views of a board do not agree, or --judge finds a camera that does not belong."
+    "Anipose, Pose2Sim or caliscope (.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), "
+    "or DLT coefficients (--from). Written are DLTcoefs.csv and, where a lens bends, lenses.toml; "
+    "or, of a FILE, a calibration for another program (--to). Exit status: 0; 2 on bad input; 3 "
+    "where views of a board do not agree, or --judge finds a camera that does not belong."
 )
 
 _TARGETS = (

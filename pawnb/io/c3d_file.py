@@ -10,16 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_bytes, write_whole
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import HDF5_FAULTS
+from pawnb.io.lengths import units_per_unit
 from pawnb.io.outgoing import take_space
 from pawnb.io.points import build_tracks
 from pawnb.schema import Tracks
 
 _EXPECTED = "a C3D file"
 _MOST_BYTES = 2**30
+_SAME_RATE = 1e-3
+"""Rates are stored in single precision, and written out rounded."""
 _FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError, struct.error)
 
 
@@ -33,7 +36,7 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     fps : float, optional
         Frames per second; default as the file says.
     unit : str, optional
-        Unit of length; default as the file says, else mm.
+        Unit of length that positions are brought to; default as the file says, else mm.
 
     Returns
     -------
@@ -45,7 +48,13 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     Raises
     ------
     InputError
-        If c3d is not installed (``pip install pawnb[c3d]``), or the file is damaged.
+        If c3d is not installed (``pip install pawnb[c3d]``), the file is damaged, or its unit
+        cannot be brought to that which is given.
+
+    Warns
+    -----
+    InputWarning
+        If the file says another frame rate than is given.
 
     Examples
     --------
@@ -62,7 +71,7 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             reader = c3d.Reader(io.BytesIO(data))
-            points = [str(label).strip() for label in reader.point_labels]
+            points = _labels(reader)
             rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
             rate = float(reader.point_rate)
             said = reader.get("POINT:UNITS")
@@ -79,6 +88,15 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     values = np.stack([own for _, own in rows]).astype(float)
     lost = (values[..., 3] < 0) | (values[..., :3] == 0).all(axis=-1)
     place = np.where(lost[..., None], np.nan, values[..., :3])
+    if unit is not None and found:
+        place = place * units_per_unit(found, unit, where=path.name)
+    if fps is not None and abs(fps - rate) > _SAME_RATE * rate:
+        warnings.warn(
+            f"{path.name} says {rate:g} frames per second, and fps is given as {fps:g}, which is "
+            f"used: all times and speeds follow from it; correct fps where the file is right.",
+            InputWarning,
+            stacklevel=2,
+        )
     return build_tracks(
         [number - 1 for number, _ in rows],
         place[:, :, None],
@@ -88,6 +106,14 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
         program="C3D",
         where=path.name,
     )
+
+
+def _labels(reader: Any) -> list[str]:
+    """Return the names of all points: more than 255 go on in LABELS2, LABELS3, ..."""
+    labels, k = list(reader.point_labels), 2
+    while (more := reader.get(f"POINT:LABELS{k}")) is not None:
+        labels, k = [*labels, *more.string_array], k + 1
+    return [str(label).strip() for label in labels]
 
 
 def write_c3d(tracks: Tracks, path: str | Path) -> Path:

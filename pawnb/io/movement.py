@@ -21,6 +21,7 @@ from xarray.backends import H5NetCDFStore
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import write_whole
+from pawnb.io.lengths import units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
 from pawnb.io.points import check_finite, check_names, plain_name
 from pawnb.schema import (
@@ -201,8 +202,8 @@ def from_movement(
     fps : float, optional
         Frames per second, for a dataset that does not say (its time counts frames then).
     unit : str, optional
-        Unit of length of positions in space; default as the dataset says, which movement's own
-        do not: mm then.
+        Unit of length that positions in space are brought to; default as the dataset says, which
+        movement's own do not: mm then.
     where : str
         How messages name the dataset, for instance the file.
 
@@ -269,6 +270,10 @@ def from_movement(
         tracks = tracks.isel(individual=np.zeros(len(animals), dtype=int)).copy(deep=True)
     tracks = tracks.assign_coords(individual=np.array(animals, dtype=str))
     _enter(tracks, dataset, np.searchsorted(every, frames), where)
+    said = str(dataset.attrs.get("units") or "")
+    if said and tracks.attrs["units"] not in ("px", said):
+        factor = units_per_unit(said, str(tracks.attrs["units"]), where=where)
+        tracks["position"].to_numpy()[:] *= factor
     if "log" in dataset.attrs:
         steps = [{"step": "movement", "log": dataset.attrs["log"]}]
         tracks.attrs["provenance"] = json.dumps({"steps": steps}, sort_keys=True)

@@ -94,7 +94,7 @@ GOOD = "matrix = [[9, 0, 1], [0, 9, 1], [0, 0, 1]]"
         (
             f"[cam1]\n{GOOD}\ndistorsion = [0, 0, 0, 0]",
             "[cam1]: unknown field 'distorsion' (did you mean 'distortion'?); known are matrix, "
-            "distortion.",
+            "distortion, size.",
         ),
         ("cam1 = 3", "[cam1]: expected a section with matrix and distortion."),
     ],

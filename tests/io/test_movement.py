@@ -265,3 +265,12 @@ def test_whole_times_are_frames_where_the_unit_of_time_was_lost():
 def test_a_unit_of_time_that_movement_has_not_is_refused():
     with pytest.raises(InputError, match=r"time_unit is 'milliseconds'; expected 'seconds' or"):
         from_movement(bare(time=np.arange(4) * 10.0, time_unit="milliseconds"))
+
+
+def test_lengths_whose_unit_is_said_are_brought_to_the_one_given():
+    dataset = bare("xyz", units="cm")
+    tracks = from_movement(dataset, unit="mm")
+    assert tracks.attrs["units"] == "mm"
+    in_cm = from_movement(dataset)["position"]
+    assert np.isfinite(in_cm).any()
+    np.testing.assert_allclose(tracks["position"], 10.0 * in_cm)

@@ -14,6 +14,7 @@ from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import PawnbError
+from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial
 from pawnb.workflow.checking.check_report import CheckReport
@@ -26,7 +27,6 @@ from pawnb.workflow.tracking.trial_views import frame_range, paw_task, trial_rig
 MAX_CLICK_RESIDUAL_PX = 10.0
 """Clicks of one point in several views may disagree by so much."""
 
-MM_PER_UNIT = {"um": 1e-3, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1e3, "in": 25.4}
 LEAST_APART_MM, MOST_APART_MM = 0.1, 1e4
 """Points on one animal lie so far apart (by hand: a mite, a whale)."""
 

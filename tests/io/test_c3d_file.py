@@ -1,0 +1,44 @@
+"""C3D whose unit and frame rate are others than those asked for, and of many points."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from pawnb.errors import InputError, InputWarning
+from pawnb.io import read_c3d, write_c3d
+from pawnb.io.points import build_tracks
+
+pytest.importorskip("c3d")
+
+
+def clip(path, *, unit="m", points=("FR", "HR")):
+    """Two frames at 200 Hz, in the unit given."""
+    place = np.full((2, len(points), 1, 3), 0.25)
+    tracks = build_tracks(
+        [0, 1], place, points=list(points), fps=200.0, unit=unit, program="a test", where="clip"
+    )
+    return write_c3d(tracks, path)
+
+
+def test_lengths_come_in_the_unit_asked_for(tmp_path):
+    path = clip(tmp_path / "clip.c3d")
+    for unit, expected in (("mm", 250.0), ("cm", 25.0), ("m", 0.25), (None, 0.25)):
+        tracks = read_c3d(path, unit=unit)
+        assert tracks.attrs["units"] == (unit or "m")
+        np.testing.assert_allclose(tracks["position"], expected)
+
+
+def test_a_unit_that_is_not_known_is_not_put_on_other_lengths(tmp_path):
+    path = clip(tmp_path / "clip.c3d")
+    with pytest.raises(InputError, match=r"clip.c3d: positions are in 'm', and 'BL' is asked for"):
+        read_c3d(path, unit="BL")
+
+
+def test_another_frame_rate_is_said(tmp_path):
+    path = clip(tmp_path / "clip.c3d")
+    with pytest.warns(InputWarning, match=r"clip.c3d says 200 frames per second, and fps is given"):
+        assert read_c3d(path, fps=100.0).attrs["fps"] == 100.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read_c3d(path, fps=200.0).attrs["fps"] == 200.0
