@@ -29,6 +29,7 @@ from pawnb.workflow.provenance.manifest import RUN_KINDS, find_fault, known_file
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
 from pawnb.workflow.tracking.methods import stage_parameters, tracker_settings
+from pawnb.workflow.tracking.out_of_step import doubt_steps
 
 
 def check_trial(trial: Trial | str | Path) -> CheckReport:
@@ -226,6 +227,9 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
                 f"{_say_crop(trial.view(name), reader)}, {_say_colour(reader, pictures.get(name))}"
             )
         report.doubts += views.notes
+        if not report.faults:
+            first, stop = trial.frames or (0, views.n_frames)
+            report.doubts += doubt_steps(trial, views, first, min(stop, views.n_frames))
         kind_of(trial).check_start(trial, views, report)
     return sizes
 

@@ -1,0 +1,53 @@
+"""What is said of films of several views that are not in step."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+from pawnb.core.video import ViewSet
+from pawnb.core.video.in_step import find_out_of_step, motion_of_views
+from pawnb.trial import Trial
+
+
+def doubt_steps(trial: Trial, views: ViewSet, start: int, stop: int) -> list[str]:
+    """Say which views move some frames before or after the others.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views.
+    start, stop : int
+        Frames of the trial, half open.
+
+    Returns
+    -------
+    list of str
+        A sentence for each such view.
+    """
+    pairs = [
+        (a, b)
+        for a, b in combinations(views.names, 2)
+        if trial.view(a).video != trial.view(b).video and _show_the_same(trial, a, b)
+    ]
+    if not pairs:
+        return []
+    said = []
+    for one in find_out_of_step(motion_of_views(views, start, stop), pairs=pairs):
+        offset = trial.view(one.view).offset
+        n = f"{abs(one.late)} frame{'s' if abs(one.late) > 1 else ''}"
+        said.append(
+            f"what moves in view {one.view} moves {n} {'later' if one.late > 0 else 'earlier'} "
+            f"than in view {one.other} (likeness {one.likeness:.2f} once moved, "
+            f"{one.likeness_now:.2f} as it is): the films seem not to be in step, and places in "
+            f"space will be wrong; compare a touch-down in both, and set offset = "
+            f"{offset + one.late} of view {one.view} (now {offset}) if it fits"
+        )
+    return said
+
+
+def _show_the_same(trial: Trial, a: str, b: str) -> bool:
+    """Say whether two views show the same legs: those of the other side move at other times."""
+    points = [set(trial.view(name).points or ()) for name in (a, b)]
+    return not all(points) or bool(points[0] & points[1])
