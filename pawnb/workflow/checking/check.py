@@ -229,7 +229,12 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
         report.doubts += views.notes
         if not report.faults:
             first, stop = trial.frames or (0, views.n_frames)
-            report.doubts += doubt_steps(trial, views, first, min(stop, views.n_frames))
+            try:
+                report.doubts += doubt_steps(
+                    trial, views, start=first, stop=min(stop, views.n_frames)
+                )
+            except PawnbError as error:
+                report.faults.append(str(error))
         kind_of(trial).check_start(trial, views, report)
     return sizes
 

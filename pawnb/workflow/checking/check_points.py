@@ -16,7 +16,7 @@ from pawnb.core.video import ViewSet
 from pawnb.errors import PawnbError
 from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, read_start
-from pawnb.trial import Trial
+from pawnb.trial import Calibration, Trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.propose import PAWS
 from pawnb.workflow.tracking.methods import tracker_settings
@@ -51,6 +51,8 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
     else:
         if rig is not None:
             report.found.append(f"DLT of {len(rig.names)} views, unit {rig.unit}")
+        elif trial.calibration is not None and trial.calibration.px_per_unit is not None:
+            _say_scale(trial.calibration, views, report)
         else:
             alone = "each view is tracked by itself, and " if len(views.names) > 1 else ""
             report.doubts.append(f"no calibration: {alone}positions will be in px")
@@ -79,6 +81,10 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         _doubt_colours(trial, views, rig, clicks, report)
     if rig is not None:
         _check_against_rig(trial, rig, clicks, report)
+    elif trial.calibration is not None and trial.calibration.px_per_unit is not None:
+        own = clicks[clicks["frame"] == clicks["frame"].iloc[0]]
+        places = own[["u", "v"]].to_numpy(float) / trial.calibration.px_per_unit
+        _doubt_unit(trial.calibration.unit, places, report)
 
 
 def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: CheckReport) -> None:
@@ -102,20 +108,31 @@ def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: Che
         turned = [trial.view(name).mirror for name in rig.names]
         signs = np.where(turned, 0, handedness(rig.coefs, xyz))
         report.doubts += tell_mirrored(rig.names, signs)
-    _doubt_unit(rig, xyz, report)
+    _doubt_unit(rig.unit, xyz, report)
     for frame in sorted({frame for frame, _ in places}):
         own = {point: xyz for (at, point), xyz in places.items() if at == frame}
         _doubt_order_of_paws(rig, own, frame, report)
 
 
-def _doubt_unit(rig: Rig, xyz: np.ndarray, report: CheckReport) -> None:
-    """Doubt a unit in which the clicked points lie closer or wider than on any animal."""
-    if rig.unit not in MM_PER_UNIT or len(xyz) < 2:
+def _say_scale(calibration: Calibration, views: ViewSet, report: CheckReport) -> None:
+    """Say how large the pictures are in real units: a scale the wrong way round is seen by it."""
+    assert calibration.px_per_unit is not None  # noqa: S101  asked for with a scale only
+    reader = views.readers[views.names[0]]
+    sides = [side / calibration.px_per_unit for side in (reader.width, reader.height)]
+    report.found.append(
+        f"scale: {calibration.px_per_unit:g} px per {calibration.unit}, so that view "
+        f"{views.names[0]} is {sides[0]:.3g} x {sides[1]:.3g} {calibration.unit} large"
+    )
+
+
+def _doubt_unit(unit: str, places: np.ndarray, report: CheckReport) -> None:
+    """Doubt a unit in which clicked points (n, 2 or 3) lie closer or wider than on any animal."""
+    if unit not in MM_PER_UNIT or len(places) < 2:
         return
-    apart = float(np.linalg.norm(np.ptp(xyz, axis=0)))
-    if not LEAST_APART_MM <= apart * MM_PER_UNIT[rig.unit] <= MOST_APART_MM:
+    apart = float(np.linalg.norm(np.ptp(places, axis=0)))
+    if not LEAST_APART_MM <= apart * MM_PER_UNIT[unit] <= MOST_APART_MM:
         report.doubts.append(
-            f"the clicked points lie {apart:.3g} {rig.unit} apart: [calibration] unit is not that "
+            f"the clicked points lie {apart:.3g} {unit} apart: [calibration] unit is not that "
             "of the calibration (some programs count in metres), or its scale is wrong"
         )
 

@@ -9,7 +9,7 @@ from pawnb.core.video.in_step import find_out_of_step, motion_of_views
 from pawnb.trial import Trial
 
 
-def doubt_steps(trial: Trial, views: ViewSet, start: int, stop: int) -> list[str]:
+def doubt_steps(trial: Trial, views: ViewSet, *, start: int, stop: int) -> list[str]:
     """Say which views move some frames before or after the others.
 
     Parameters

@@ -72,7 +72,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
         if not asked.quick:
-            for doubt in doubt_steps(trial, views, first, last):
+            for doubt in doubt_steps(trial, views, start=first, stop=last):
                 warnings.warn(f"{doubt}.", InputWarning, stacklevel=2)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:

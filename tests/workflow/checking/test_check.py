@@ -164,6 +164,22 @@ def test_a_unit_in_which_no_animal_is_that_large_is_doubted(small_trial):
     assert check_trial(small_trial).doubts == []
 
 
+def test_the_scale_of_a_single_view_is_said_and_doubted(small_trial, tmp_path):
+    start = (small_trial / "start.csv").read_text().splitlines()
+    own = [line for line in start if line.startswith(("frame", "0,cam1"))]
+    (tmp_path / "start.csv").write_text("\n".join(own) + "\n")
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "paws"\nname = "one"\nfps = 250.0\n[start]\npoints = "start.csv"\n'
+        f'[[views]]\nname = "cam1"\nvideo = "{(small_trial / "cam1.avi").as_posix()}"\n'
+        'points = ["FR", "HR"]\n[calibration]\npx_per_unit = 0.82\nunit = "mm"\n'
+    )
+    report = check_trial(tmp_path)
+    assert "scale: 0.82 px per mm, so that view cam1 is 500 x 171 mm large" in report.found
+    assert not any("px" in doubt for doubt in report.doubts)
+    change(tmp_path, "trial.toml", "= 0.82", "= 1220.0")  # of µm
+    assert any("clicked points lie 0.0" in doubt for doubt in check_trial(tmp_path).doubts)
+
+
 def test_lenses_of_pictures_of_another_size_are_doubted(small_trial):
     lens = "matrix = [[900.0, 0, 205], [0, 900.0, 70], [0, 0, 1]]\ndistortion = [0, 0, 0, 0]\n"
     sizes = ("410, 140", "820, 280", "410, 140", "410, 140")

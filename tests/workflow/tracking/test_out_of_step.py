@@ -47,4 +47,4 @@ def test_an_offset_that_is_wrong_is_said_with_the_right_one(tmp_path, offset, la
 def test_films_in_step_or_of_other_legs_are_not_doubted(tmp_path, offset, late, points):
     trial = filmed(tmp_path, offset=offset, late=late, points=points)
     with open_views(trial) as views:
-        assert doubt_steps(trial, views, 0, views.n_frames) == []
+        assert doubt_steps(trial, views, start=0, stop=views.n_frames) == []
