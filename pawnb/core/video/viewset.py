@@ -25,6 +25,9 @@ _FASTER = 1.5
 READ_AHEAD = 4
 """Frames of each view that may wait, decoded, for whoever asked for them."""
 
+_OTHER_RATE = 0.05
+"""Frame rates of two files that differ by more are not one rate, written in two ways (by hand)."""
+
 
 class ViewSet(Closing):
     """The views of a trial, side by side, numbered by trial frames.
@@ -82,7 +85,7 @@ class ViewSet(Closing):
                 f"view {shortest!r} ends at frame {self.n_frames - 1} of the trial, before every "
                 f"view has begun (frame {self.first_frame}); mend the offsets."
             )
-        self.notes = [*self._file_notes(), *self._length_notes(ends)]
+        self.notes = [*self._file_notes(), *self._rate_notes(), *self._length_notes(ends)]
 
     @property
     def time_s(self) -> FloatArray:
@@ -229,6 +232,22 @@ class ViewSet(Closing):
                 )
                 notes[note] = None
         return list(notes)
+
+    def _rate_notes(self) -> list[str]:
+        """Say which files have another frame rate than the first: theirs are other instants."""
+        rates: dict[str, float] = {}
+        for name, reader in self.readers.items():
+            stamps = reader.source.stamps_s
+            if stamps is not None and len(stamps) > 1 and (step := np.median(np.diff(stamps))) > 0:
+                rates[name] = 1.0 / float(step)
+        first = next(iter(rates), None)
+        return [
+            f"the file of {name} has {rate:.4g} frames/s, that of {first} {rates[first]:.4g}: "
+            "frames of one number are taken to be of one instant, and are not if the cameras ran "
+            "so; bring both to one rate."
+            for name, rate in rates.items()
+            if first is not None and abs(rate / rates[first] - 1.0) > _OTHER_RATE
+        ]
 
     def _time_note(self, reader: ViewReader) -> str:
         """Say what time the frames of a file of varying rate have."""

@@ -124,6 +124,14 @@ def test_views_of_different_length_use_the_common_one_and_say_so(clips):
             views.frames(30, 38)  # at once, not at the end of the work
 
 
+def test_files_of_another_frame_rate_are_said(tmp_path):
+    for number, rate in ((1, 100), (2, 50), (3, 101)):
+        write_mjpeg(tmp_path / f"cam{number}.avi", n=10, rate=rate)
+    with open_views(trial_of(tmp_path, cam(1), cam(2), cam(3))) as views:
+        (said,) = views.notes
+    assert said.startswith("the file of cam2 has 50 frames/s, that of cam1 100: frames of one num")
+
+
 def test_a_trial_that_asks_for_frames_that_are_not_there_is_refused(clips):
     with pytest.raises(VideoError, match=r"view 'cam3': .* has no frame 39; it has 37 frames"):
         open_views(trial_of(clips, cam(1), cam(3), frames=(0, 40)))
