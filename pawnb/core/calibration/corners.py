@@ -28,6 +28,7 @@ class CornerFinder:
         self.n_corners = len(board.corners())
         self._detectors: tuple[cv2.aruco.CharucoDetector, ...] = ()
         self._shift = np.zeros(2)
+        self._sides: list[float] = []
         if board.marker is not None:
             self._detectors = _detectors(board, board.marker)
             self._shift = _pixel_origin(board, self._detectors[0])
@@ -55,12 +56,19 @@ class CornerFinder:
         if self.board.marker is None:
             found = _checkerboard(grey, self.board.shape)
             return uv if found is None else found
+        sides: FloatArray = np.zeros(0)
         for detector in self._detectors:
-            corners, ids, _, _ = detector.detectBoard(grey)
+            corners, ids, markers, _ = detector.detectBoard(grey)
             if ids is not None and len(ids) >= max(FEWEST_CORNERS, np.isfinite(uv[:, 0]).sum() + 1):
                 uv[:] = np.nan
                 uv[np.ravel(ids)] = np.reshape(corners, (-1, 2)) - self._shift
+                sides = _sides_on_board(self.board, uv, np.reshape(markers, (-1, 4, 2)))
+        self._sides.extend(sides.tolist())
         return uv
+
+    def marker_side(self) -> float:
+        """Return how long the sides of markers were in all pictures, by the squares; else NaN."""
+        return float(np.median(self._sides)) if self._sides else np.nan
 
 
 def other_boards(board: Board) -> list[Board]:
@@ -102,6 +110,17 @@ def _detectors(board: Board, marker: float) -> tuple[cv2.aruco.CharucoDetector, 
         drawn.setLegacyPattern(is_old)
         detectors.append(cv2.aruco.CharucoDetector(drawn))
     return tuple(detectors)
+
+
+def _sides_on_board(board: Board, uv: FloatArray, markers: FloatArray) -> FloatArray:
+    """Return the side of each marker (n, 4, 2) as the corners found around them measure it."""
+    seen = np.isfinite(uv[:, 0])
+    to_board, _ = cv2.findHomography(uv[seen], board.corners()[seen, :2])
+    if to_board is None or not len(markers):
+        return np.zeros(0)
+    flat = cv2.perspectiveTransform(markers.reshape(-1, 1, 2).astype(float), to_board)
+    around = flat.reshape(-1, 4, 2)
+    return np.linalg.norm(around - np.roll(around, 1, axis=1), axis=-1).mean(axis=1)
 
 
 def _pixel_origin(board: Board, detector: cv2.aruco.CharucoDetector) -> FloatArray:

@@ -37,6 +37,10 @@ MOST_SHOTS = 100
 _MOST_TRIED = 8
 """Pictures in which boards of other squares are looked for where the board is in none."""
 
+_OTHER_MARKER = 0.2
+"""Markers that are so much longer or shorter than they should be are doubted (by hand: corners
+of markers are found on whole pixels, and small ones come out some pixels too short)."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BoardCalibration:
@@ -262,6 +266,7 @@ def find_boards(
                     progress(v * len(shots) + s + 1, len(readers) * len(shots))
             if (np.isfinite(uv[v, ..., 0]).sum(axis=-1) < FEWEST_CORNERS).all():
                 raise _none_found(board, reader, shots)
+        notes += _other_marker(board, finder.marker_side())
         sizes = tuple((reader.width, reader.height) for reader in readers.values())
     finally:
         for reader in readers.values():
@@ -274,6 +279,16 @@ def find_boards(
         may_be_turned=finder.may_be_turned,
     )
     return sightings, shots, notes
+
+
+def _other_marker(board: Board, side: float) -> list[str]:
+    """Doubt a length of markers that does not go with that of squares."""
+    if board.marker is None or not abs(side / board.marker - 1.0) > _OTHER_MARKER:
+        return []
+    return [
+        f"look: markers are {side:.3g} long where squares are {board.square:g}, and marker_length "
+        f"is {board.marker:g}: measure both on the board, with its black edge, and mend board.toml"
+    ]
 
 
 def _none_found(board: Board, reader: ViewReader, shots: np.ndarray) -> CalibrationError:

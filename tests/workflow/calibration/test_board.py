@@ -266,3 +266,16 @@ def test_a_film_that_is_a_frame_late_is_said(monkeypatch, late):
     found = calibrate_from_board(BOARD, dict.fromkeys(NAMES, "films"))
     assert found.is_sound is not bool(late)
     assert ("the views do not agree, though each alone" in found.text()) is bool(late)
+
+
+@pytest.mark.parametrize(("marker", "said"), [(30.0, False), (22.0, True), (39.0, True)])
+def test_a_length_of_markers_that_does_not_go_with_the_squares_is_said(tmp_path, marker, said):
+    for name in NAMES[:2]:
+        (tmp_path / name).mkdir()
+        on_paper = np.pad(draw_board(BOARD, per_square=40), 60, constant_values=255)
+        cv2.imwrite(str(tmp_path / name / "0.png"), on_paper)
+    wrong = Board(columns=7, rows=5, square=40.0, marker=marker)
+    _, _, notes = find_boards(wrong, {name: tmp_path / name for name in NAMES[:2]})
+    # 30 px of which the corners are the outermost pixels
+    words = f"markers are 29 long where squares are 40, and marker_length is {marker:g}"
+    assert any(words in note for note in notes) is said
