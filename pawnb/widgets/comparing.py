@@ -94,6 +94,7 @@ class Comparing(Retracking):
         row = found.iloc[place]
         frame, view, point = int(row["frame"]), str(row["view"]), str(row["point"])
         self._pointed = (frame, view, point)
+        self._visit(frame)
         said = f"frame {frame}: {point} in {view}, {row['reason']}"
         self._show_state(f"Difference {place + 1} of {len(found)}, {said}.")
         return frame

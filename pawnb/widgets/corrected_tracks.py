@@ -13,7 +13,8 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
-_WAIT = "the trial is being tracked again; wait until that is done, or stop it."
+WAIT = "the trial is being tracked again; wait until that is done, or stop it."
+"""What is said to a correction that comes meanwhile."""
 
 
 class CorrectedTracks:
@@ -201,7 +202,7 @@ class CorrectedTracks:
 
     def _check_idle(self) -> None:
         if self.busy:
-            raise InputError(_WAIT)
+            raise InputError(WAIT)
 
     def _retracked(self, tracks: Tracks, frame: int, **options: bool) -> Tracks:
         """Hand over what was tracked outside the lock; on opening, track now."""

@@ -17,7 +17,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import NO_PLACING, Overlay
 from pawnb.widgets.pose_review_session import PoseReviewSession
-from pawnb.widgets.retracking import RetrackTrial
+from pawnb.widgets.retracking import RetrackTrial, as_sentence, say_taken
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
 from pawnb.widgets.stick_poser import StickPoser
@@ -30,6 +30,7 @@ _IN_SPACE = (
     "Legs of poses in space are not exchanged or interpolated: which leg is which holds in every "
     "view at once, so drag a frame right and track again from there (R)."
 )
+_AT_WORK = "the poses are being tracked again; look at any frame meanwhile"
 _NO_LANE = ("Body", "has no lane and is never exchanged: there is one; it is moved frame by frame")
 _POSE_REVIEW_KEYS = (
     *HANDLES,
@@ -164,6 +165,8 @@ class PoseReviewer(StickPoser, Comparing):
             return self._look_at_doubtful(value)
         elif action in ("difference", "apart"):
             return self._look_at_difference(value)
+        elif action in ("undo", "redo"):
+            return self._step(action)
         elif what == "stretch":
             return self._edit_stretch(message)
         else:
@@ -204,8 +207,18 @@ class PoseReviewer(StickPoser, Comparing):
         self._tracked_again()
         for leg in settled:
             self._doubt_no_more(first, leg, stop=stop)
-        self._show_state(f"{said[:1].upper()}{said[1:]}.")
+        self._show_state(said)
         return None
+
+    def _step(self, action: str) -> int | None:
+        """Undo or redo, say what was done, and look at its frame."""
+        before, frame = self.corrected.corrections, self.session.frame
+        (self.session.undo if action == "undo" else self.session.redo)()
+        now = self.corrected.corrections
+        done = max(before, now, key=len)[-1] if len(now) != len(before) else None
+        self._tracked_again()
+        self._show_state(say_taken(action, done))
+        return self.session.frame if self.session.frame != frame else None
 
     def _correct(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Pass on what may change a pose; one that was corrected is doubtful no more."""
@@ -215,14 +228,20 @@ class PoseReviewer(StickPoser, Comparing):
         if now[: len(before)] == before and len(now) == len(before) + 1:
             self._doubt_no_more(now[-1].frame)
             self._show_state()
-        elif now != before:  # undone
-            self._tracked_again()
-            self._show_state()
         return go
 
     def _visit(self, frame: int) -> None:
-        """Look at a frame before the browser shows it."""
+        """Look at a frame before the browser shows it, and choose the leg that it is about."""
         self.session.go(frame)
+        if self._pointed is not None and self._pointed[0] == frame:
+            if self._pointed[2] in self.session.colours:
+                self.session.select(self._pointed[2])
+            self._pointed = None  # from here on a person chooses
+
+    def _show_state(self, said: str = "", *, busy: bool = False) -> None:
+        """Say what was done, and which buttons can be pressed; few while tracks are made anew."""
+        busy = busy or self.corrected.busy
+        super()._show_state(as_sentence(said or _AT_WORK * busy), busy=busy)
 
     def _pose_shown(self, frame: int) -> tuple[StickPose, bool]:
         """Return the pose drawn over a frame, and whether it is only proposed."""

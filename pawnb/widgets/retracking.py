@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import traitlets
 
-from pawnb.core.edits.log import describe_edit
+from pawnb.core.edits.log import Edit, describe_edit
 from pawnb.core.edits.working_time import WorkingTime
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
@@ -20,6 +20,7 @@ from pawnb.files import GuardedFile
 from pawnb.io.native import read_tracks, write_tracks
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
+from pawnb.widgets.corrected_tracks import WAIT
 from pawnb.widgets.review_session import suspect_options
 from pawnb.widgets.timeline import TimelineCanvas
 from pawnb.widgets.tracks_trait import TracksTrait
@@ -198,7 +199,7 @@ class Retracking(TimelineCanvas):
             )
         with self._edit_lock:
             if self.corrected.busy:
-                raise InputError("the trial is being tracked again; wait, or stop it.")
+                raise InputError(WAIT)
             self._open_tracks(tracks)
             self._tracked_again()
             self._show_state("other tracks are shown")
@@ -248,7 +249,7 @@ class Retracking(TimelineCanvas):
             If that is being done already.
         """
         if self.corrected.busy:
-            raise InputError("the trial is being tracked again already; wait, or stop it.")
+            raise InputError(WAIT)
         self._stop.clear()
         arguments = (frame, learn, stretch)
         self._worker = threading.Thread(target=self._retrack_now, args=arguments, daemon=True)
@@ -315,6 +316,9 @@ class Retracking(TimelineCanvas):
             said, go = self.corrected.retrack(frame, learn=learn, stretch=stretch), frame
             self._tracked_again()
             said += f"; now {assess_quality(self.corrected.tracks).line()}"
+            self._visit(frame)
+            if self.alarm == WAIT:
+                self.alarm = ""  # it is done now
         except (PawnbError, OSError) as error:
             self.alarm, said = str(error), "the tracks are as they were"
         except BaseException:
@@ -346,6 +350,19 @@ class Retracking(TimelineCanvas):
         if done % 10 == 0 or done == total or doing != self._doing:
             self._doing = doing
             self._show_state(f"{doing}: {done} of {total} frames", busy=True)
+
+
+def as_sentence(said: str) -> str:
+    """Return what is said with a capital letter and a full stop; nothing stays nothing."""
+    stop = "" if not said or said.endswith(".") else "."
+    return f"{said[:1].upper()}{said[1:]}{stop}"
+
+
+def say_taken(action: str, edit: Edit | None) -> str:
+    """Say what undo or redo did to a correction; None where there was nothing to do."""
+    if edit is None:
+        return f"nothing to {action}"
+    return f"{'undone' if action == 'undo' else 'made again'}: {describe_edit(edit)}"
 
 
 def file_beside(edits: Path, what: str) -> Path:

@@ -10,7 +10,6 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from pawnb.core.edits.log import Edit, describe_edit
 from pawnb.core.rig import Rig
 from pawnb.core.suspects.chances import worth_a_look
 from pawnb.core.suspects.frames import find_suspects
@@ -23,7 +22,7 @@ from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, ViewSource
 from pawnb.widgets.questions import Questions
-from pawnb.widgets.retracking import RetrackTrial, file_beside
+from pawnb.widgets.retracking import RetrackTrial, as_sentence, file_beside, say_taken
 from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.mended_trial import as_described_now
@@ -267,7 +266,7 @@ class TrackReviewer(Comparing, Questions):
         if action in ("undo", "redo"):
             edit = self.session.undo() if action == "undo" else self.session.redo()
             self._tracked_again()
-            self._show_state(_taken(action, edit))
+            self._show_state(say_taken(action, edit))
             if self._question is not None:
                 return self._ask_again(edit)
             return edit.frame if edit is not None else None
@@ -342,8 +341,8 @@ class TrackReviewer(Comparing, Questions):
     def _show_state(self, said: str = "", *, busy: bool = False) -> None:
         """Say what was done, and which buttons can be pressed."""
         session = self.session
-        said = said or _WHAT_TO_DO[bool(self._suspects)]
-        stop = "" if said.endswith(".") else "."
+        busy = busy or session.busy
+        said = as_sentence(said or _WHAT_TO_DO[bool(self._suspects)])
         pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
         actions: list[dict[str, Any]] = [
             {"id": "retrack", "text": "Track again from here", "keys": ["r"],
@@ -370,11 +369,4 @@ class TrackReviewer(Comparing, Questions):
             action["enabled"] = action.get("enabled", True) and free
         left_out = [*(() if pairs else ("swap",)), *(() if self._tracks_again else _AGAIN)]
         shown = [action for action in actions if action["id"] not in left_out]
-        self._tell(f"{said[:1].upper()}{said[1:]}{stop}\n{self._cost()}", shown)
-
-
-def _taken(action: str, edit: Edit | None) -> str:
-    """Say what undo or redo did."""
-    if edit is None:
-        return f"nothing to {action}"
-    return f"{'undone' if action == 'undo' else 'made again'}: {describe_edit(edit)}"
+        self._tell(f"{said}\n{self._cost()}", shown)

@@ -193,3 +193,24 @@ def test_views_follow_the_chosen_point_a_loupe_and_a_point_placed_without_a_mous
     np.testing.assert_allclose([place["u"], place["v"]], scene.seen(22)[0, 0], atol=0.05)
     assert nudge["u"] == pytest.approx(place["u"] + 1, abs=1e-3)
     notebook.assert_no_errors()
+
+
+def test_a_key_that_moves_a_point_never_steps_to_another_frame(reviewing):
+    notebook, _ = reviewing
+    notebook.kernel_runs(
+        "import time; kept = w.edit; w.edit = lambda *a: (time.sleep(0.4), kept(*a))[1]"
+    )
+    notebook.page.locator("[data-view=cam1] [data-point=FR]").click()
+    notebook.settle()
+    # while the last change is on its way nothing can be moved; that key must not step instead:
+    # the next one would correct another frame
+    notebook.press("Alt+ArrowRight")
+    notebook.wait("c.pending > 0")
+    notebook.press("Alt+ArrowRight")
+    notebook.settle()
+    assert notebook.js("f.shown") == 0
+    notebook.press("Alt+ArrowRight")
+    notebook.until("len(w.session.corrections)", 2)
+    notebook.settle()
+    assert notebook.py("[edit.frame for edit in w.session.corrections]") == [0, 0]
+    notebook.assert_no_errors()

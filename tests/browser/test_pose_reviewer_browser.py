@@ -56,7 +56,8 @@ def test_a_leg_is_dragged_right_and_tracked_again(reviewing):
     (line,) = map(json.loads, file.read_text().splitlines())
     assert (line["edit"], line["frame"]) == ("pose", 4)
     notebook.press("r")
-    notebook.until("w.corrected.busy or len(w.corrected.corrections)", 2, seconds=90)
+    # what was done is said once the new tracks were judged
+    notebook.until("w.status.startswith('Tracked again from frame 4 on; now ')", True, seconds=90)
     notebook.settle()
     assert "2 corrections in e.jsonl" in notebook.page.locator(".pawnb-status").inner_text()
     for key in ("ArrowLeft", "ArrowRight", "ArrowRight"):  # frames 3, 4 and 5

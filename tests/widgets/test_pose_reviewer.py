@@ -1,6 +1,7 @@
 """PoseReviewer without a browser: every pose is shown, corrected, tracked again and kept."""
 
 import json
+import threading
 
 import numpy as np
 import pandas as pd
@@ -239,3 +240,70 @@ def test_poses_are_compared_with_those_before_the_corrections(rendered_spider, t
         f"L2 in top, {far:.1f} px from the other tracks (before the corrections)" in widget.status
     )
     widget.close()
+
+
+def test_the_next_doubtful_frame_chooses_the_leg_that_is_doubtful(reviewer):
+    places = [["frame", 16, "R3"], ["frame", 20, "L4"]]
+    rows = [(frame, "top", leg, "a joint turns fast", 1.0) for _, frame, leg in places]
+    table = pd.DataFrame(rows, columns=["frame", "view", "point", "reason", "score"])
+    reviewer._offer_doubtful(table)
+    for _, frame, leg in places:
+        assert reviewer.edit("action", {"frame": 15, "action": "next"}) == frame
+        assert reviewer.overlay(frame)["current"] == ["top", leg]
+        assert f"frame {frame}: {leg}" in reviewer.status
+    reviewer.edit("select", {"frame": 20, "point": "R1"})  # from here on a person chooses
+    assert reviewer.overlay(20)["current"] == ["top", "R1"]
+
+
+def test_the_next_difference_chooses_its_leg_and_stays_said(rendered_spider, tracks, tmp_path):
+    other = tracks.copy(deep=True)
+    at = other["image_position"].sel(view="top", keypoint="R2")
+    at.to_numpy()[9] += 7.0  # frame 19
+    widget = PoseReviewer(rendered_spider, tracks, edits=tmp_path / "e.jsonl", against=other)
+    assert widget.edit("action", {"frame": 15, "action": "apart"}) == 19
+    assert widget.overlay(19)["current"] == ["top", "R2"]
+    widget.frame = 19  # the browser goes there
+    assert widget.status.startswith("Difference 1 of")
+    widget.close()
+
+
+def test_undo_and_redo_say_what_they_did(reviewer):
+    drag(reviewer, 17)
+    reviewer.edit("action", {"frame": 12, "action": "undo"})
+    assert reviewer.status.startswith("Undone: posed in frame 17.\n")
+    reviewer.frame = 17  # the browser goes there, and that stays said
+    assert reviewer.status.startswith("Undone: posed in frame 17.\n")
+    reviewer.edit("action", {"frame": 17, "action": "undo"})
+    assert reviewer.status.startswith("Nothing to undo.\n")
+    reviewer.edit("action", {"frame": 17, "action": "redo"})
+    assert reviewer.status.startswith("Made again: posed in frame 17.\n")
+
+
+def test_what_tracking_again_did_is_said_where_another_frame_was_looked_at(reviewer):
+    drag(reviewer, 17)
+    began, go_on = threading.Event(), threading.Event()
+    again = reviewer._retrack_trial
+
+    def slow(trial, some, frame):
+        began.set()
+        assert go_on.wait(20)
+        return again(trial, some, frame)
+
+    reviewer._retrack_trial = slow
+    reviewer.edit("action", {"frame": 17, "action": "retrack"})
+    assert began.wait(20)
+    # meanwhile: a look at another frame and leg, and a correction that has to wait
+    reviewer.frame = 21
+    reviewer.edit("select", {"frame": 21, "point": "R1"})
+    assert reviewer.status.startswith("The poses are being tracked again;")
+    assert [a["id"] for a in reviewer.actions if a["enabled"]] == ["stop"]
+    message = {"type": "edit", "what": "action", "action": "undo", "who": "a", "n": 1, "frame": 21}
+    reviewer._answer_edit(message)
+    assert "being tracked again" in reviewer.alarm
+    go_on.set()
+    reviewer._worker.join()
+    assert reviewer.status.startswith("Tracked again from frame 17 on; now ")
+    assert reviewer.alarm == ""  # there is nothing left to wait for
+    reviewer.frame = 17  # the browser goes there, and that stays said
+    assert reviewer.status.startswith("Tracked again from frame 17 on; now ")
+    assert len(reviewer.corrected.corrections) == 2

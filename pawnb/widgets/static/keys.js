@@ -117,6 +117,11 @@ class Keys extends Controls {
       e.preventDefault(); // no going back in the browser
       return;
     }
+    if (e.altKey && WAYS[e.key]) {
+      // where nothing can be moved now, another frame would show, and be corrected by the next key
+      e.preventDefault();
+      return;
+    }
     if (e.key !== "Alt" && e.key !== "Shift") this.keepNudge();
     const command = e.ctrlKey || e.metaKey ? "Ctrl+" : "";
     // a letter is what is on its key, whether Caps Lock is on or not
