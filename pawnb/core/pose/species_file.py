@@ -26,6 +26,8 @@ _LEG_KEYS = (
     "left", "right", "attach", "segments", "joints", "lengths", "natural_deg", "range_deg",
     "free", "widths",
 )  # fmt: skip
+_NO_LEG_NAMES = ("body", "heading", "span")
+"""What is tracked or dragged beside the legs has these names."""
 _WIDTH_OF_LENGTH = (0.055, 0.02)
 """Thickness of a leg at the body and at the tip, as shares of its length, where none is given."""
 
@@ -149,7 +151,13 @@ def _read_pair(pair: Mapping[str, Any], where: str) -> list[Leg]:
     for kind, names in (("segment", segments), ("joint", joints)):
         if len(set(names)) < n:
             raise InputError(f"{what}: two {kind}s have one name ({', '.join(names)}).")
+    _check_names([str(name) for _, name in named], joints, what)
     attach, lengths = _numbers(pair, "attach", 2, what), _numbers(pair, "lengths", n, what)
+    if attach[1] < 0:
+        raise InputError(
+            f"{what}: attach is {attach}, which puts the right leg on the left side; its second "
+            "number counts to the animal's right, so expected 0 or more. The left leg mirrors it."
+        )
     for segment, length in zip(segments, lengths, strict=True):
         if length <= 0:
             raise InputError(
@@ -179,6 +187,21 @@ def _read_pair(pair: Mapping[str, Any], where: str) -> list[Leg]:
         )
         for side, name in named
     ]
+
+
+def _check_names(legs: Sequence[str], joints: Sequence[str], what: str) -> None:
+    """Refuse names that points and columns cannot be told by: a joint's point is ``L1.BC``."""
+    for name in (*legs, *joints):
+        if not name.strip() or "." in name:
+            raise InputError(
+                f"{what}: {name!r} cannot name a leg or a joint; expected a name without a dot."
+            )
+    for name in legs:
+        if name in _NO_LEG_NAMES:
+            raise InputError(
+                f"{what}: {name!r} is the name of something else ({', '.join(_NO_LEG_NAMES)}); "
+                "give the leg another name."
+            )
 
 
 def _check_joints(
@@ -238,7 +261,7 @@ def _list(table: Mapping[str, Any], name: str, what: str) -> list[Any]:
     """Return a list that is not empty."""
     value = table[name]
     if not isinstance(value, list) or not value:
-        raise InputError(f"{what}: {name} is {value!r}; expected a list.")
+        raise InputError(f"{what}: {name} is {value!r}; expected a list of one or more.")
     return value
 
 

@@ -44,6 +44,8 @@ def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
             )
         except PawnbError as error:
             return {"status": "failed", "said": str(error)}
+    if stop.is_set() and not tracks.sizes["time"]:
+        return {"status": "stopped", "said": "interrupted before the first frame was tracked"}
     told = [w for w in caught if not issubclass(w.category, QualityWarning)]
     notes = [str(w.message) for w in told if issubclass(w.category, InputWarning)]
     quality = assess_quality(tracks)

@@ -185,6 +185,13 @@ def test_own_species_file(tmp_path):
         ("attach", "atach", r"unknown name 'atach' \(did you mean 'attach'"),
         ('right = "R"', 'right = "L"', "two legs are called 'L'"),
         ('left = "L"\nright = "R"\n', "", "names no leg"),
+        # a joint's point is called L.BA, so with a dot no leg is found by its name
+        ('left = "L"', 'left = "L.1"', r"'L.1' cannot name a leg or a joint; .* without a dot"),
+        ('left = "L"', 'left = " "', "' ' cannot name a leg"),
+        ('joints = ["BA", "AB"]', 'joints = ["B.A", "AB"]', "'B.A' cannot name"),
+        ('left = "L"', 'left = "body"', "'body' is the name of something else"),
+        ("attach = [1.0, 0.5]", "attach = [1.0, -0.5]", "right leg on the left side"),
+        ("attach =", "free = []\nattach =", r"free is \[\]; expected a list of one or more"),
         ("width = 2.0", "width = 0.0", "width is 0"),
         ("width = 2.0", "", "width missing"),
         ("[[body]]", "[body]", r"write \[\[body\]\]"),
