@@ -85,7 +85,7 @@ def get_joint_angles(
     parts = []
     for name, table in tables.items():
         for column in table.columns:
-            found = re.fullmatch(r"(?P<leg>.+)_(?P<joint>[A-Z]+)", str(column))
+            found = re.fullmatch(r"(?P<leg>.+)_(?P<joint>[^_]+)", str(column))
             if found is None or str(column).endswith(_NOT_ANGLES):
                 continue
             angles = _angles_of(table, column, smooth=smooth)

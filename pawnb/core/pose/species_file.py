@@ -190,11 +190,17 @@ def _read_pair(pair: Mapping[str, Any], where: str) -> list[Leg]:
 
 
 def _check_names(legs: Sequence[str], joints: Sequence[str], what: str) -> None:
-    """Refuse names that points and columns cannot be told by: a joint's point is ``L1.BC``."""
+    """Refuse names by which points (``L1.BC``) and columns (``L1_BC``) cannot be told."""
     for name in (*legs, *joints):
         if not name.strip() or "." in name:
             raise InputError(
                 f"{what}: {name!r} cannot name a leg or a joint; expected a name without a dot."
+            )
+    for name in joints:
+        if "_" in name:
+            raise InputError(
+                f"{what}: {name!r} cannot name a joint; expected a name without _: its column is "
+                f"{legs[0]}_joint."
             )
     for name in legs:
         if name in _NO_LEG_NAMES:

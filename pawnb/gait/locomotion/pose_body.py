@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -14,8 +15,22 @@ from pawnb.gait.locomotion.body import BodyPoints
 from pawnb.gait.locomotion.foot_trajectories import FootPaths, get_foot_paths
 from pawnb.schema import Tracks, check_tracks
 
-BODY_POINTS, ROOT = "body", "BC"
-"""Names of the point at the body's origin, and of the joint that a leg turns about."""
+BODY_POINTS = "body"
+"""Name of the point at the body's origin."""
+
+
+def leg_roots(points: Sequence[str]) -> dict[str, str]:
+    """Return the joint at the body of each leg of a jointed animal, such as ``L1.BC`` of ``L1``.
+
+    It is the first of the leg's joints: they stand from the body outwards, and a species file may
+    name them otherwise.
+    """
+    roots: dict[str, str] = {}
+    for point in points:
+        leg, dot, _ = point.partition(".")
+        if dot and leg in points:
+            roots.setdefault(leg, point)
+    return roots
 
 
 def leg_angles(tracks: Tracks, *, individual: str | None = None) -> pd.DataFrame:
@@ -49,13 +64,13 @@ def leg_angles(tracks: Tracks, *, individual: str | None = None) -> pd.DataFrame
     check_tracks(tracks)
     who = individual or str(tracks["individual"].to_numpy()[0])
     points = [str(point) for point in tracks["keypoint"].to_numpy()]
-    legs = sort_legs(p for p in points if f"{p}.{ROOT}" in points)
+    legs = sort_legs(leg_roots(points))
     feet = get_foot_paths(tracks, {leg: leg for leg in legs}, individual=who)
     posed = pose_body(tracks, feet[0], individual=who) if feet else None
     if posed is None or posed[1].angle_deg is None:
         raise InputError(
             f"these tracks hold no pose: leg angles need a heading, the point {BODY_POINTS!r} and "
-            f"body-coxa joints such as L1.{ROOT}."
+            "body-coxa joints such as L1.BC."
         )
     frame, time = tracks["frame"].to_numpy(), tracks["time"].to_numpy()
     return pd.concat(
@@ -75,8 +90,8 @@ def pose_body(
     Parameters
     ----------
     dense : xarray.Dataset
-        Tracks on the grid, with ``heading``, a point ``body`` and body-coxa joints
-        (``<leg>.BC``).
+        Tracks on the grid, with ``heading``, a point ``body`` and the joints of the legs
+        (``<leg>.BC``; the first of a leg is where it meets the body).
     feet : FootPaths
         The feet in one space of these Tracks.
     individual : str
@@ -96,9 +111,10 @@ def pose_body(
     None is returned where the Tracks hold no pose, or not in the space of the feet.
     """
     points = [str(point) for point in dense["keypoint"].to_numpy()]
-    roots = {leg: f"{leg}.{ROOT}" for leg in feet.legs}
-    if "heading" not in dense or not {BODY_POINTS, *roots.values()} <= set(points):
+    known = leg_roots(points)
+    if "heading" not in dense or BODY_POINTS not in points or not set(feet.legs) <= set(known):
         return None
+    roots = {leg: known[leg] for leg in feet.legs}
     body = _in_space(dense, {BODY_POINTS: BODY_POINTS}, feet.source, individual)
     root = _in_space(dense, roots, feet.source, individual)
     if body is None or root is None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from pawnb.gait.locomotion.pose_body import ROOT
+from pawnb.gait.locomotion.pose_body import leg_roots
 from pawnb.schema import ORIGIN_CODE, Tracks
 
 _LEAST_LEGS_SHARE = 0.5
@@ -37,7 +37,7 @@ def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
     if "heading" not in tracks:
         return tracks, []
     points = [str(point) for point in tracks["keypoint"].to_numpy()]
-    tips = [point for point in points if f"{point}.{ROOT}" in points]
+    tips = list(leg_roots(points))
     origin = tracks["origin"].sel(keypoint=tips).transpose("time", "keypoint", "individual")
     seen = ~np.isin(origin.to_numpy(), _UNSEEN)
     ever = seen.any(axis=0).sum(axis=0)  # of an animal that lacks legs, those it has

@@ -189,6 +189,7 @@ def test_own_species_file(tmp_path):
         ('left = "L"', 'left = "L.1"', r"'L.1' cannot name a leg or a joint; .* without a dot"),
         ('left = "L"', 'left = " "', "' ' cannot name a leg"),
         ('joints = ["BA", "AB"]', 'joints = ["B.A", "AB"]', "'B.A' cannot name"),
+        ('joints = ["BA", "AB"]', 'joints = ["B_A", "AB"]', "'B_A' cannot name a joint"),
         ('left = "L"', 'left = "body"', "'body' is the name of something else"),
         ("attach = [1.0, 0.5]", "attach = [1.0, -0.5]", "right leg on the left side"),
         ("attach =", "free = []\nattach =", r"free is \[\]; expected a list of one or more"),

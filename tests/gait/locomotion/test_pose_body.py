@@ -13,6 +13,7 @@ from pawnb.core.pose.poses import leg_angles
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
+from pawnb.gait.joints import get_joint_angles
 from pawnb.gait.locomotion.foot_trajectories import get_foot_paths
 from pawnb.gait.locomotion.grid import put_on_grid
 from pawnb.gait.locomotion.pose_body import pose_body
@@ -97,6 +98,23 @@ def test_leg_angles_are_a_table(run):
     ]
     np.testing.assert_allclose(wide, leg_angles(animal, poses), atol=1e-9)
     assert table["time_s"].iloc[0] == poses.frames[0] / 125
+
+
+def test_the_joint_at_the_body_is_found_whatever_a_species_file_calls_it(run):
+    """An insect's is ThC: without it the body was the mean of the feet, and nothing said so."""
+    trial, *_ = run
+    tracks = _tracks(*run, px_per_unit=0.484, unit="mm")
+    named = {
+        what: [str(name).replace("BC", "ThC") for name in tracks[what].to_numpy()]
+        for what in ("keypoint", "joint")
+    }
+    other = tracks.assign_coords(named)
+    expected, found = (gait.analyse(some, trial=trial).events for some in (tracks, other))
+    assert set(found["method"]) == set(expected["method"])
+    np.testing.assert_allclose(found["frame"], expected["frame"])
+    pd.testing.assert_frame_equal(gait.leg_angles(other), gait.leg_angles(tracks))
+    assert "ThC" in set(get_joint_angles(other)["joint"])
+    assert len(get_joint_angles(other)) == len(get_joint_angles(tracks))
 
 
 def test_a_heading_across_the_wrap_is_interpolated_where_time_stamps_are_uneven(run):
