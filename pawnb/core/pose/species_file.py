@@ -152,12 +152,7 @@ def _read_pair(pair: Mapping[str, Any], where: str) -> list[Leg]:
         if len(set(names)) < n:
             raise InputError(f"{what}: two {kind}s have one name ({', '.join(names)}).")
     _check_names([str(name) for _, name in named], joints, what)
-    attach, lengths = _numbers(pair, "attach", 2, what), _numbers(pair, "lengths", n, what)
-    if attach[1] < 0:
-        raise InputError(
-            f"{what}: attach is {attach}, which puts the right leg on the left side; its second "
-            "number counts to the animal's right, so expected 0 or more. The left leg mirrors it."
-        )
+    attach, lengths = _read_attach(pair, what), _numbers(pair, "lengths", n, what)
     for segment, length in zip(segments, lengths, strict=True):
         if length <= 0:
             raise InputError(
@@ -187,6 +182,17 @@ def _read_pair(pair: Mapping[str, Any], where: str) -> list[Leg]:
         )
         for side, name in named
     ]
+
+
+def _read_attach(pair: Mapping[str, Any], what: str) -> list[float]:
+    """Return where the right leg of a pair meets the body."""
+    attach = _numbers(pair, "attach", 2, what)
+    if attach[1] < 0:
+        raise InputError(
+            f"{what}: attach is {attach}, which puts the right leg on the left side; its second "
+            "number counts to the animal's right, so expected 0 or more. The left leg mirrors it."
+        )
+    return attach
 
 
 def _check_names(legs: Sequence[str], joints: Sequence[str], what: str) -> None:
