@@ -75,11 +75,9 @@ def get_joint_angles(
                 "joint angles: these tracks have no joint_angle; expected those of a jointed "
                 "animal (kind 'pose')."
             )
-        pose, _ = seen_part(pose)  # extremes are of the animal, not of where it comes or goes
-        values = pose["joint_angle"].transpose("individual", "time", "joint")
         tables = {
-            str(name): pd.DataFrame(values[i].to_numpy(), columns=pose["joint"].to_numpy())
-            for i, name in enumerate(pose["individual"].to_numpy())
+            str(name): _angle_table(pose.sel(individual=[name]))
+            for name in pose["individual"].to_numpy()
             if animal is None or str(name) == animal
         }
     parts = []
@@ -97,6 +95,13 @@ def get_joint_angles(
             "L1_BC."
         )
     return pd.concat(parts, ignore_index=True)[list(ANGLE_COLUMNS)]
+
+
+def _angle_table(pose: Tracks) -> pd.DataFrame:
+    """Return the angles of one animal, a column a joint, where it is seen."""
+    seen, _ = seen_part(pose)
+    values = seen["joint_angle"].isel(individual=0).transpose("time", "joint")
+    return pd.DataFrame(values.to_numpy(), columns=seen["joint"].to_numpy())
 
 
 def _angles_of(table: pd.DataFrame, column: str, *, smooth: bool) -> FloatArray:

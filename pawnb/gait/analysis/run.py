@@ -131,13 +131,14 @@ def analyse(
             stacklevel=2,
         )
     named = choose_legs(tracks, trial=trial, legs=legs, where=where)
-    tracks, unseen = seen_part(tracks)
-    grid, dense = put_on_grid(tracks, where=where)
-    belt = _belt_on_grid(belt_speed, trial, grid)
-    lost = [*unseen, *_lost_frames(tracks, grid)]
     individuals = [str(i) for i in tracks["individual"].to_numpy()]
     parts = []
     for individual in individuals:
+        # each is in the picture for a time of its own
+        part, unseen = seen_part(tracks.sel(individual=[individual]))
+        grid, dense = put_on_grid(part, where=where)
+        belt = _belt_on_grid(belt_speed, trial, grid)
+        lost = [*unseen, *_lost_frames(part, grid)]
         animal = trial.animal.id if trial is not None and len(individuals) == 1 else individual
         parts.append(
             _analyse_one(

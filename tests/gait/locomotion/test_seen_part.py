@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from pawnb import gait
 from pawnb.core.pose.as_tracks import tracks_from_poses
@@ -73,3 +74,22 @@ def test_legs_hidden_in_between_and_poses_by_hand_stay(entering):
     nothing = tracks.copy(deep=True)
     nothing["origin"].values[:] = ORIGIN_CODE["predicted"]
     assert seen_part(nothing)[0].sizes["time"] == tracks.sizes["time"]
+
+
+def test_each_of_several_animals_is_seen_for_a_time_of_its_own(entering):
+    """The one that stays kept the other's frames in which nothing of it is in the picture."""
+    trial, true, tracks = entering
+    both = xr.concat(
+        [true.assign_coords(individual=["stays"]), tracks.assign_coords(individual=["comes"])],
+        dim="individual", data_vars="minimal", combine_attrs="override",
+    )  # fmt: skip
+    alone = gait.analyse(tracks, trial=trial)
+    found = gait.analyse(both, trial=trial)
+    events = found.events[found.events["animal"] == "comes"]
+    assert events["frame"].tolist() == pytest.approx(alone.events["frame"].tolist())
+    left_out = found.dropped[found.dropped["what"] == "frames"]
+    assert left_out["animal"].tolist() == ["comes"]
+    np.testing.assert_allclose(
+        joint_range_table(get_joint_angles(both, animal="comes"))["max_mean_deg"],
+        joint_range_table(get_joint_angles(tracks))["max_mean_deg"],
+    )
