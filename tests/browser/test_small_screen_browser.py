@@ -191,3 +191,20 @@ def test_plots_fit_the_page_and_follow_its_theme(small, source):
     )
     small.wait_idle()
     assert canvas.bounding_box()["width"] > 0.9 * area.bounding_box()["width"]
+
+
+def test_the_names_of_what_is_exchanged_are_not_cut_off(small, trial_file):
+    small.page.set_viewport_size({"width": 820, "height": 480})  # a laptop at a zoom of 150 %
+    small.show(f"""import small_trial as scene
+from pawnb.widgets import TrackReviewer
+tracks = scene.true_tracks()
+names = {{"FR": "front right paw", "HR": "hind right paw"}}
+tracks = tracks.assign_coords(keypoint=[names[str(p)] for p in tracks["keypoint"].values])
+w = TrackReviewer({str(trial_file)!r}, tracks)
+w""")
+    small.js("c.choose('front right paw')")
+    small.settle()
+    for part in (".pawnb-stretch .pawnb-point", ".pawnb-stretch .pawnb-button"):
+        shown = small.page.locator(part).first
+        assert "right paw" in shown.inner_text()
+        assert shown.evaluate("(one) => one.scrollWidth <= one.clientWidth + 1")

@@ -20,7 +20,8 @@ def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
 
     A tracker gives a pose from the first frame on in which something of the animal is there. Its
     other legs are placed by their neighbours alone, and would make steps that nobody has seen.
-    Between frames with the animal, where a leg may be hidden for a while, nothing is left out.
+    Between frames with the animal, where a leg may be hidden for a while, nothing is left out. A
+    leg that is not seen up to some frame, or from one on, has no foot and no angles there.
 
     Parameters
     ----------
@@ -30,7 +31,8 @@ def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
     Returns
     -------
     tracks : xarray.Dataset
-        The tracks from the first to the last frame in which half of the legs are seen.
+        The tracks from the first to the last frame in which half of the legs are seen, without
+        what comes before a leg is seen first and after it is seen last.
     dropped : list of dict
         What is left out: leg, start_s, end_s, what, why.
     """
@@ -46,10 +48,55 @@ def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
     if not len(rows):
         return tracks, []
     begin, stop = int(rows[0]), int(rows[-1]) + 1
-    time, dropped = tracks["time"].to_numpy(), []
-    for first, last in ((0, begin - 1), (stop, len(time) - 1)):
-        if first <= last:
-            span = {"start_s": float(time[first]), "end_s": float(time[last])}
-            why = "fewer than half of the legs are seen"
-            dropped.append({"leg": "", **span, "what": "frames", "why": why})
-    return tracks.isel(time=slice(begin, stop)), dropped
+    why = "fewer than half of the legs are seen"
+    dropped = _say_ends(tracks["time"].to_numpy(), begin, stop, leg="", why=why)
+    part = tracks.isel(time=slice(begin, stop))
+    ends = _unseen_ends(np.any(seen[begin:stop], axis=2))
+    if not ends:
+        return part, dropped
+    part, time = part.copy(deep=True), part["time"].to_numpy()
+    for place, (first, end) in ends.items():
+        leg = tips[place]
+        outside = np.r_[0:first, end : len(time)]
+        _take_away(part, leg, outside)
+        dropped += _say_ends(time, first, end, leg=leg, why="the leg is not seen")
+    return part, dropped
+
+
+def _unseen_ends(seen: np.ndarray) -> dict[int, tuple[int, int]]:
+    """Return, of each leg unseen at an end, its first row seen and one past its last.
+
+    ``seen`` has a row a frame and a column a leg; a leg never seen has no rows.
+    """
+    ends = {}
+    for place, column in enumerate(seen.T):
+        rows = np.flatnonzero(column)
+        first, stop = (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (len(column), len(column))
+        if first > 0 or stop < len(column):
+            ends[place] = (first, stop)
+    return ends
+
+
+def _take_away(tracks: Tracks, leg: str, rows: np.ndarray) -> None:
+    """Take away foot and joint angles of a leg in some rows of tracks, which are changed."""
+    at = [str(point) for point in tracks["keypoint"].to_numpy()].index(leg)
+    for name in ("position", "image_position"):
+        tracks[name].values[rows, ..., at, :] = np.nan
+    for name in ("origin", "image_origin"):
+        tracks[name].values[rows, ..., at, :] = ORIGIN_CODE["missing"]
+    if "joint_angle" in tracks:
+        own = [str(joint).startswith(f"{leg}_") for joint in tracks["joint"].to_numpy()]
+        tracks["joint_angle"].values[np.ix_(rows, np.flatnonzero(own))] = np.nan
+
+
+def _say_ends(
+    time_s: np.ndarray, begin: int, stop: int, *, leg: str, why: str
+) -> list[dict[str, Any]]:
+    """Return a row for what lies before ``begin`` and one for what lies from ``stop`` on."""
+    ends = ((0, begin - 1), (stop, len(time_s) - 1))
+    return [
+        {"leg": leg, "start_s": float(time_s[first]), "end_s": float(time_s[last]),
+         "what": "frames", "why": why}
+        for first, last in ends
+        if first <= last
+    ]  # fmt: skip

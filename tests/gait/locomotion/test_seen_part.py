@@ -93,3 +93,27 @@ def test_each_of_several_animals_is_seen_for_a_time_of_its_own(entering):
         joint_range_table(get_joint_angles(both, animal="comes"))["max_mean_deg"],
         joint_range_table(get_joint_angles(tracks))["max_mean_deg"],
     )
+
+
+def test_a_leg_out_of_sight_by_itself_at_an_end_makes_no_steps_there(entering):
+    trial, true, _ = entering
+    n, places = 40, [str(point) for point in true["keypoint"].to_numpy()]
+    hidden = true.copy(deep=True)
+    hidden["origin"].values[-n:, places.index("R2")] = ORIGIN_CODE["predicted"]
+    expected, found = (gait.analyse(some, trial=trial) for some in (true, hidden))
+    last_s = float(true["time"][-n])
+    steps = found.events[found.events["leg"] == "R2"]
+    assert len(steps) > 0
+    assert steps["time_s"].max() < last_s
+    of_others = [some.events[some.events["leg"] != "R2"]["frame"] for some in (expected, found)]
+    np.testing.assert_allclose(*of_others)
+    said = found.dropped[found.dropped["why"] == "the leg is not seen"]
+    assert said[["leg", "start_s"]].to_numpy().tolist() == [["R2", pytest.approx(last_s)]]
+    angles = get_joint_angles(hidden)
+    lost = {
+        leg: (get_joint_angles(true)["leg"] == leg).sum() - (angles["leg"] == leg).sum()
+        for leg in ("R2", "L2")
+    }
+    assert lost == {"R2": n * 5, "L2": 0}
+    # nothing of what was given is changed
+    assert np.isfinite(hidden["position"].values[:, :, places.index("R2")]).all()
