@@ -140,6 +140,10 @@ def _checked(tracks: Tracks, where: str) -> Tracks:
     for dim, what in (("keypoint", "point"), ("individual", "animal"), ("view", "view")):
         if dim in tracks.dims:
             check_names(_names(tracks, dim), what=what, where=where)
+    if not tracks.sizes["time"]:
+        raise InputError(
+            f"{where}: no frames: tracking was stopped before the first; track the trial again."
+        )
     check_frames(tracks["frame"].to_numpy(), where=where)
     for name in ("provenance", "trial"):
         try:

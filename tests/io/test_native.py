@@ -156,6 +156,13 @@ def test_reading_checks_what_is_there(tmp_path):
 # --- csv exports -------------------------------------------------------------------------------
 
 
+def test_tracks_of_a_run_that_was_stopped_before_its_first_frame_say_so(tmp_path):
+    none = make_tracks([], ["FR"], fps=25.0, views=["side"])
+    path = native.write_tracks(none, tmp_path / "tracks.nc")
+    with pytest.raises(InputError, match=r"no frames: tracking was stopped .* track the trial aga"):
+        native.read_tracks(path)
+
+
 def test_tracks_table_has_a_row_for_every_frame_view_and_point_tracked():
     tracks = example()
     table = native.tracks_table(tracks)
