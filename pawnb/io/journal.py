@@ -43,7 +43,7 @@ class LineFormat(Generic[RecordT]):
     ----------
     kinds : mapping of str to type
         The name of each kind in a line, and its frozen dataclass. Fields are whole numbers,
-        numbers, texts, switches or numbers by name; a text or a whole number may be None.
+        numbers, texts, switches or numbers by name; a text or a number may be None.
     """
 
     def __init__(self, kinds: Mapping[str, type[RecordT]]) -> None:
@@ -63,7 +63,7 @@ class LineFormat(Generic[RecordT]):
         -------
         str
             The line; numbers are written in full, so that reading gives the same record. A
-            switch that is off is left out, and so is a whole number that is not there.
+            switch that is off is left out, and so is a number that is not there.
         """
         if isinstance(entry, str):
             return json.dumps({"edit": entry})
@@ -73,7 +73,8 @@ class LineFormat(Generic[RecordT]):
         written = {
             name: value
             for name, value in fields.items()
-            if value is not False and not (value is None and int in get_args(types[name]))
+            if value is not False
+            and not (value is None and {int, float} & {*get_args(types[name])})
         }
         return json.dumps({"edit": kind, **written})
 

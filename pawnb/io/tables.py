@@ -27,6 +27,12 @@ DECIMALS = {
 any tracker can tell. Other columns are written in full."""
 
 _LONGEST_LINE = 2**22
+_OF_REGION = {
+    "\t": "",
+    ";": " (a spreadsheet writes semicolons where its decimal mark is a comma: set its region to "
+    "English first)",
+}
+"""What to do about separators, beside saving anew."""
 
 
 def write_text(text: str, path: str | Path) -> Path:
@@ -114,7 +120,7 @@ def read_table_text(
 def check_separator(
     line: str, *, where: str, expected: str, error: type[InputError] = InputError
 ) -> None:
-    """Refuse a table whose cells are separated by semicolons or tabs, by its first line.
+    """Refuse a table with semicolons or tabs between its cells, by its first line.
 
     Parameters
     ----------
@@ -130,13 +136,13 @@ def check_separator(
     Raises
     ------
     InputError
-        If there is such a separator in it and no comma.
+        If there are more of them in it than commas.
     """
     for mark, word in ((";", "semicolons"), ("\t", "tabs")):
-        if mark in line and "," not in line:
+        if line.count(mark) > line.count(","):
             raise error(
                 f"{where}: cells are separated by {word}; expected {expected}: save it as csv with "
-                "commas between the cells and points in the numbers."
+                f"commas between the cells and points in the numbers{_OF_REGION[mark]}."
             )
 
 
@@ -226,6 +232,8 @@ def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0)
             "differently."
         )
     table = table.iloc[1:].reset_index(drop=True)
+    empty = (table == "").all(axis=1).to_numpy()
+    table = table.iloc[: int((~empty).nonzero()[0].max(initial=-1)) + 1]  # none below the last
     table.columns = pd.Index([name or f"Unnamed: {i}" for i, name in enumerate(names)])
     blank = [not name and not (table.iloc[:, i] != "").any() for i, name in enumerate(names)]
     table = table.loc[:, ~np.array(blank)]  # a comma at the end of every line

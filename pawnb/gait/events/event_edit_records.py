@@ -22,6 +22,9 @@ class MoveEvent:
         Where it stands now.
     to_s : float
         Where it belongs.
+    fps : float, optional
+        Frames a second by which these times were counted; the same frames have other times once
+        the frame rate of the recording is mended.
     """
 
     animal: str
@@ -30,6 +33,7 @@ class MoveEvent:
     event: str
     time_s: float
     to_s: float
+    fps: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +45,7 @@ class DeleteEvent:
     leg: str
     event: str
     time_s: float
+    fps: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +57,7 @@ class AddEvent:
     leg: str
     event: str
     time_s: float
+    fps: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,6 +72,8 @@ class ExcludeStride:
         When it begins.
     reason : str
         Why; it stands in the table of what was dropped.
+    fps : float, optional
+        As of :class:`MoveEvent`.
     """
 
     animal: str
@@ -73,6 +81,7 @@ class ExcludeStride:
     leg: str
     start_s: float
     reason: str
+    fps: float | None = None
 
 
 EventEdit: TypeAlias = MoveEvent | DeleteEvent | AddEvent | ExcludeStride

@@ -32,12 +32,19 @@ from pawnb.gait.events.event_edit_records import (
     ExcludeStride,
     MoveEvent,
 )
+from pawnb.gait.events.event_edit_times import in_time_of, mended_rate, with_rate
 from pawnb.io.journal import Journal, enter_step, read_journal
 
 __all__ = [
     "EVENT_EDITS_FILE", "HAND", "AddEvent", "DeleteEvent", "EventEdit", "EventEdits",
     "ExcludeStride", "MoveEvent", "apply_event_edits", "read_event_edits", "replay_event_edits",
 ]  # fmt: skip
+
+_KINDS = (
+    (MoveEvent, "event", "moved"), (DeleteEvent, "event", "deleted"),
+    (AddEvent, "event", "added"), (ExcludeStride, "stride", "excluded"),
+)  # fmt: skip
+"""Kinds of corrections in words: what, and what was done to it."""
 
 
 class EventEdits:
@@ -111,6 +118,7 @@ class EventEdits:
         InputError
             If it does not fit the events or cannot be written; nothing has changed then.
         """
+        edit = with_rate(edit, self._found.events)
         return self._become([*self._past, edit], [], edit)
 
     def undo(self) -> GaitTables:
@@ -186,16 +194,27 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
         ours += own
         of_files.append((file.name, own))
         notes += remarks
+        otherwise = sum(mended_rate(edit, tables.events) is not None for edit in own)
+        if otherwise:
+            notes.append(
+                f"{file.name}: corrections made before the frame rate was changed, taken to the "
+                f"same frames: {otherwise}."
+            )
         odd = [edit for edit in edits if edit not in own]
         if odd:
             notes.append(
                 f"{file.name}: corrections left out, as their trial or leg is not in this "
                 f"analysis: {len(odd)} (the first is of {odd[0].leg} of {odd[0].animal}, "
-                f"{odd[0].trial})."
+                f"{odd[0].trial}). Where an animal, a trial or a leg was renamed since, change its "
+                "name in that file, too."
             )
     corrected, left_out = _apply(tables, ours, known=len(ours))
-    in_force = [(name, sum(edit not in left_out for edit in own)) for name, own in of_files]
-    notes[:0] = [f"{name}: corrections by hand in force: {n}." for name, n in in_force if n]
+    in_force = [(name, [edit for edit in own if edit not in left_out]) for name, own in of_files]
+    notes[:0] = [
+        f"{name}: corrections by hand in force: {len(own)} ({describe_kinds(own)})."
+        for name, own in in_force
+        if own
+    ]
     if left_out:
         notes.append(
             f"corrections of events left out, as they do not fit the events any more: "
@@ -257,6 +276,15 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     return _apply(tables, edits)[0]
 
 
+def describe_kinds(edits: Sequence[EventEdit]) -> str:
+    """Return how many corrections of each kind there are, in words."""
+    said = []
+    for kind, thing, done in _KINDS:
+        n = sum(isinstance(edit, kind) for edit in edits)
+        said += [f"{n} {thing if n == 1 else f'{thing}s'} {done}"] if n else []
+    return ", ".join(said)
+
+
 def describe_left_out(edits: Sequence[EventEdit]) -> str:
     """Return how many corrections do not fit, and which the first is, in words."""
     first = edits[0]
@@ -282,8 +310,8 @@ def _apply(
     events = tables.events.copy()
     excluded: list[tuple[str, str, str, float, str]] = []
     left_out: list[EventEdit] = []
-    for k, edit in enumerate(edits):
-        anew = k < known
+    for k, made in enumerate(edits):
+        anew, edit = k < known, in_time_of(made, tables.events)
         try:
             if isinstance(edit, ExcludeStride):
                 row = exclude_stride(events, edit, tables, before=excluded, anew=anew)
@@ -297,7 +325,7 @@ def _apply(
         except InputError:
             if not anew:
                 raise
-            left_out.append(edit)
+            left_out.append(made)
     columns = ["animal", "trial", "leg", "time_s", "why"]
     corrected = rebuild_tables(
         tables,

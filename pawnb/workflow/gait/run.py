@@ -125,8 +125,8 @@ def run_gait(
 ) -> GaitRun:
     """Analyse the gait of one or more inputs; write tables, statistics and figures.
 
-    Corrections of events made by hand (``event_edits.jsonl`` in the results of an input, or in
-    ``out``) are made again.
+    Corrections of events made by hand (``event_edits.jsonl`` in the results of an input or beside
+    a study, or in ``out``) are made again.
 
     Parameters
     ----------
@@ -193,6 +193,7 @@ def carry_out(
     out: str | Path | None = None,
     command: Sequence[str] | None = None,
     again: TakenOver | None = None,
+    corrected: Sequence[Path] = (),
 ) -> GaitRun:
     """Analyse the gait of what a request names.
 
@@ -204,6 +205,9 @@ def carry_out(
         As for :func:`run_gait`.
     again : TakenOver, optional
         What is taken over from a run that is made again.
+    corrected : sequence of Path, optional
+        Further folders whose corrections of events count; where it is given, so do those of the
+        folder where results of these inputs go by default.
 
     Returns
     -------
@@ -213,8 +217,11 @@ def carry_out(
     with noted_warnings() as warned:
         sources, study = read_sources(request)
         parts, tables = _analysed(request, sources, study)
-        folder = make_folder(_default_out(sources, study) if out is None else out)
-        edits = _event_edit_files(sources, folder) if again is None else list(again.edits)
+        usual = _default_out(sources, study)
+        folder = make_folder(usual if out is None else out)
+        usually = [usual] * bool(study is not None or corrected)
+        edits = _event_edit_files(sources, [*usually, *corrected, folder])
+        edits = edits if again is None else list(again.edits)
         tables = gait.replay_event_edits(tables, edits)
         step = record_of(
             request, sources, edits, tables=tables, study=study, command=command, again=again
@@ -386,7 +393,7 @@ def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
     return table.assign(group=[groups.get(one, "") for one in who])
 
 
-def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:
-    """Return the corrections of events beside the results of the inputs, and of this run."""
-    folders = {folder.resolve(): folder for folder in (*(s.folder for s in sources), out)}
-    return [path for f in folders.values() if (path := f / EVENT_EDITS_FILE).exists()]
+def _event_edit_files(sources: Sequence[GaitSource], further: Sequence[Path]) -> list[Path]:
+    """Return the corrections of events beside the results of the inputs, and in further folders."""
+    own = {folder.resolve(): folder for folder in (*(s.folder for s in sources), *further)}
+    return [path for f in own.values() if (path := f / EVENT_EDITS_FILE).exists()]

@@ -94,7 +94,8 @@ def tell_if_meant_as_study(path: Path) -> None:
         return
     names = read_column_names(path, expected="a csv table")
     events = {"leg", "event", "frame"} & set(names)
-    if "animal" in names and "file" not in names and not events:
+    as_study = "animal" in [name.lower() for name in names]
+    if as_study and not {"file", "animal"} <= set(names) and not events:
         raise InputError(
             f"{path}: no tracks. A study needs the columns 'file' (of each trial's tracks) and "
             f"'animal'; found {', '.join(names)}."
@@ -199,8 +200,12 @@ def _from_csv(path: Path) -> Study:
     """Read a study from a csv, a row a trial."""
     cells = read_cells(path, ("file", "animal"))
     trials = []
-    for row in cells.to_dict(orient="records"):
+    for line, row in enumerate(cells.to_dict(orient="records"), start=2):
         own = {str(n): c if n in _STUDY_COLUMNS else _plain(c) for n, c in row.items() if c != ""}
+        if not own:
+            continue  # as spreadsheets leave them below a table
+        if lacking := [name for name in ("file", "animal") if name not in own]:
+            raise InputError(f"{path}: line {line}: {lacking[0]} is empty; {_STUDY_NEEDS}.")
         named = [name for name in own if name.startswith(_SETTING)]
         settings = {name.removeprefix(_SETTING): own.pop(name) for name in named}
         trials.append(_trial({**own, "gait": settings}, path, {}))

@@ -205,9 +205,10 @@ def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_
     out = replay_event_edits(tables, path)
     same(out, apply_event_edits(tables, [move(0.42)]))
     assert out.notes[-2:] == (
-        "event_edits.jsonl: corrections by hand in force: 1.",
+        "event_edits.jsonl: corrections by hand in force: 1 (1 event moved).",
         "event_edits.jsonl: corrections left out, as their trial or leg is not in this analysis: "
-        "1 (the first is of R1 of m1, t2).",
+        "1 (the first is of R1 of m1, t2). Where an animal, a trial or a leg was renamed since, "
+        "change its name in that file, too.",
     )
     assert replay_event_edits(tables, tmp_path / "none.jsonl").notes == tables.notes
     # one file for each trial: both count
@@ -245,7 +246,7 @@ def test_what_fits_no_event_any_more_is_left_out_and_said(tables, tmp_path):
     other = gait.analyse_events(events[~gone])
     again = replay_event_edits(other, path)
     assert not np.isclose(strides_of(again, "R1")["start_s"], 0.42).any()
-    assert "event_edits.jsonl: corrections by hand in force: 1." in again.notes
+    assert "event_edits.jsonl: corrections by hand in force: 1 (1 stride excluded)." in again.notes
     (said,) = (note for note in again.notes if "left out" in note)
     assert "1 (the first is of the AEP of R1 at 0.400 s); look at them" in said
     opened = EventEdits(other, path)
@@ -357,3 +358,50 @@ def test_a_line_that_cannot_be_read_is_told(tables, tmp_path, line, message):
     path.write_text(line + "\n")
     with pytest.raises(InputError, match=message):
         EventEdits(tables, path)
+
+
+def test_corrections_stay_with_their_frames_where_the_frame_rate_is_mended(tables, tmp_path):
+    """The recording had 125 frames a second, not 100: its frames are those they were."""
+    path = tmp_path / "event_edits.jsonl"
+    edits = EventEdits(tables, path)
+    edits.apply(move(0.42))
+    edits.apply(DeleteEvent(**WHO, leg="R1", event="PEP", time_s=0.92))
+    edits.apply(AddEvent(**WHO, leg="L1", event="PEP", time_s=0.15))
+    edits.apply(ExcludeStride(**WHO, leg="L1", start_s=0.7, reason="stumbled"))
+    events = tables.events.assign(time_s=tables.events["time_s"] / 1.25)
+    mended = gait.analyse_events(events[["animal", "trial", "leg", "event", "time_s", "frame"]])
+    again = replay_event_edits(mended, path)
+    was, now = edits.tables.events, again.events
+    np.testing.assert_allclose(now["frame"], was["frame"])
+    np.testing.assert_allclose(now["time_s"], was["time_s"] / 1.25)
+    assert list(now["method"] == "hand") == list(was["method"] == "hand")
+    assert len(again.strides) == len(edits.tables.strides)
+    assert any("taken to the same frames: 4" in note for note in again.notes)
+    reopened = EventEdits(mended, path)
+    assert not reopened.left_out
+    same(reopened.tables, again)
+
+
+def test_a_file_of_before_without_frame_rates_is_read(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    EventEdits(tables, path).apply(move(0.42))
+    line = json.loads(path.read_text())
+    assert line.pop("fps") == pytest.approx(100.0)
+    path.write_text(json.dumps(line) + "\n")
+    again = replay_event_edits(tables, path)
+    assert again.events["time_s"].isin([0.42]).sum() == 1
+
+
+def test_events_without_frames_have_no_frame_rate(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    columns = ["animal", "trial", "leg", "event", "time_s"]
+    EventEdits(gait.analyse_events(tables.events[columns]), path).apply(move(0.42))
+    assert "fps" not in json.loads(path.read_text())
+
+
+def test_a_renamed_animal_is_told_how_to_keep_its_corrections(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    EventEdits(tables, path).apply(move(0.42))
+    renamed = gait.analyse_events(tables.events.assign(animal="mouse 1"))
+    (note,) = (n for n in replay_event_edits(renamed, path).notes if "left out" in n)
+    assert "change its name in that file" in note

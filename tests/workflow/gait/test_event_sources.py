@@ -186,3 +186,9 @@ def test_two_legs_cannot_be_one_of_the_table():
         choose_event_legs(events, {"FR": "LF", "FL": "LF"}, where="e.csv")
     chosen = choose_event_legs(events, {"FR": "RF", "FL": "LF"}, where="e.csv")
     assert chosen["leg"].tolist() == ["FL", "FR"]
+
+
+def test_rows_that_a_spreadsheet_leaves_empty_below_events_are_none(tmp_path):
+    path = tmp_path / "scored.csv"
+    path.write_text("leg,event,time_s\nFR,TD,0.1\nFR,LO,0.2\nFR,TD,0.3\n,,\n,,\n")
+    assert len(read_scored_file(path, fps=None)) == 3

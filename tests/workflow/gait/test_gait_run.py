@@ -120,7 +120,10 @@ def test_corrections_of_events_are_made_again(tmp_path):
     assert dropped["why"].eq("excluded by hand: stumbled").sum() == 1
     events = pd.read_csv(folders[0] / "events.csv")
     np.testing.assert_allclose(events.loc[events["method"] == "hand", "time_s"], end_s + 0.01)
-    assert "note: event_edits.jsonl: corrections by hand in force: 2." in run.text()
+    said = "corrections by hand in force: 2 (1 event moved, 1 stride excluded)."
+    assert f"note: event_edits.jsonl: {said}" in run.text()
+    words = (folders[0] / "methods.txt").read_text()
+    assert "Corrected by hand: 1 event moved, 1 stride excluded." in words
     inputs = json.loads((folders[0] / "provenance.json").read_text())["steps"][0]["inputs"]
     assert sorted(inputs) == ["results/event_edits.jsonl", "results/tracks.nc"]
     # what was found is still there: corrections are not made twice, and can be undone

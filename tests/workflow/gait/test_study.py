@@ -11,12 +11,14 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.gait import pool
+from pawnb.gait.events.event_edits import EventEdits, ExcludeStride
 from pawnb.workflow.gait import study_tables
 from pawnb.workflow.gait.inputs import analyse_source, check_alike, read_pairs, read_sources
 from pawnb.workflow.gait.request import GaitRequest
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.gait.sources import read_source
 from pawnb.workflow.gait.study import is_study, read_study
+from pawnb.workflow.provenance.report.report import write_report
 
 STUDY = """
 [gait]
@@ -298,3 +300,72 @@ def test_groups_of_hand_scored_events_are_compared(tmp_path):
     assert (trials["n_strides"] == 10).all()
     step = json.loads((run.out / "provenance.json").read_text())["steps"][0]
     assert step["given"] == [f"{tmp_path.name}/study.csv"]
+
+
+@pytest.fixture
+def corrected(tmp_path):
+    """A study of files in a folder of their own, a stride of which is excluded beside it."""
+    for name in ("m1.csv", "m2.csv"):
+        scored(tmp_path / "data" / name)
+    study = tmp_path / "study.csv"
+    study.write_text("file,animal\ndata/m1.csv,m1\ndata/m2.csv,m2\n")
+    exclude_one(run_gait(study, figures="none"))
+    return study
+
+
+def exclude_one(run):
+    """Exclude a stride in the folder of an analysis, as the explorer does."""
+    stride = run.tables.strides.iloc[2]
+    edits = EventEdits(run.tables, run.out / "event_edits.jsonl")
+    who = {name: str(stride[name]) for name in ("animal", "trial", "leg")}
+    edits.apply(ExcludeStride(**who, start_s=float(stride["start_s"]), reason="stumbled"))
+
+
+def test_a_study_written_elsewhere_has_the_corrections_beside_it(corrected, tmp_path):
+    run = run_gait(corrected, figures="none", out=tmp_path / "paper")
+    assert "excluded by hand: stumbled" in set(run.tables.dropped["why"])
+
+
+@pytest.mark.slow
+def test_the_report_of_a_study_has_its_corrections(corrected):
+    page = write_report(corrected).read_text()
+    assert "excluded by hand: stumbled" in page
+    assert "Corrected by hand: 1 stride excluded." in page
+
+
+@pytest.mark.slow
+def test_the_report_of_files_has_the_corrections_beside_it(tmp_path):
+    files = [scored(tmp_path / name) for name in ("m1.csv", "m2.csv")]
+    run = run_gait(files, figures="none", out=tmp_path / "out")
+    exclude_one(run)
+    assert "stumbled" in write_report(files, out=tmp_path / "out" / "r.html").read_text()
+
+
+def test_rows_that_a_spreadsheet_leaves_empty_are_no_trials(tmp_path):
+    scored(tmp_path / "one.csv")
+    (tmp_path / "study.csv").write_text("file,animal,mass_g\none.csv,m1,20\n,,\n,,\n")
+    assert [trial.animal for trial in read_study(tmp_path / "study.csv").trials] == ["m1"]
+
+
+def test_a_trial_without_its_file_is_named_by_its_line(tmp_path):
+    scored(tmp_path / "one.csv")
+    (tmp_path / "study.csv").write_text("file,animal,mass_g\none.csv,m1,20\n,m2,21\n")
+    with pytest.raises(InputError, match=r"line 3: file is empty; every trial needs"):
+        read_study(tmp_path / "study.csv")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["file;animal;mass_g\none.csv;m1;20,5\n", "file;animal;note, remark\none.csv;m1;slow\n",
+     "sep=;\nfile;animal\none.csv;m1\n"],
+)  # fmt: skip
+def test_a_study_of_a_spreadsheet_with_semicolons_is_told_how_to_save_it(tmp_path, text):
+    (tmp_path / "study.csv").write_text(text)
+    with pytest.raises(InputError, match=r"separated by semicolons.*decimal"):
+        run_gait(tmp_path / "study.csv")
+
+
+def test_a_study_whose_columns_are_in_capitals_is_told_their_names(tmp_path):
+    (tmp_path / "study.csv").write_text("File,Animal,Group\none.csv,m1,a\n")
+    with pytest.raises(InputError, match=r"A study needs the columns 'file' .* found File, "):
+        run_gait(tmp_path / "study.csv")

@@ -60,6 +60,7 @@ PROGRAMS = {
     "mice. eLife 4: e07892.",
 }
 """What is to be cited for tracks of other programs, by the name that tracks give."""
+_BY_HAND = re.compile(r"corrections by hand in force: \d+ \(([^)]+)\)")
 _NUMBER_IN_TEXT = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?!\w)")
 
 
@@ -129,6 +130,8 @@ def _events(tables: GaitTables, step: Mapping[str, Any]) -> str:
     counts = tables.events.groupby(["event", "method"], sort=False).size().reset_index(name="n")
     found = ", ".join(f"{row.event} ({row.method}, {row.n})" for row in counts.itertuples())
     said = [f"Events: {found or 'none'}."]
+    by_hand = [kinds for note in tables.notes for kinds in _BY_HAND.findall(str(note))]
+    said += [f"Corrected by hand: {'; '.join(by_hand)}."] * bool(by_hand)
     said += [f"Positions were smoothed by {_filtered(tables, step)}."] * bool(tables.signals)
     said += [
         f"{words} {_range(values)}{unit}."

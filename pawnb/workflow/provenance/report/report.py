@@ -58,6 +58,9 @@ def write_report(
 ) -> Path:
     """Analyse the gait of an animal or a study and write one self-contained page on it.
 
+    Corrections of events count as in :func:`pawnb.run_gait`: those in the results of the inputs,
+    in the folder where ``pawnb gait`` writes what it finds of them by default, and beside the page.
+
     Parameters
     ----------
     inputs : str, Path, or sequence of them
@@ -84,7 +87,7 @@ def write_report(
     beside = Path(inputs).parent if alone and isinstance(inputs, str | Path) else Path()
     target = Path(out) if out is not None else beside / REPORT_FILE
     with tempfile.TemporaryDirectory(prefix="pawnb-") as folder:
-        run = carry_out(request, out=folder, command=command)
+        run = carry_out(request, out=folder, command=command, corrected=[target.parent])
         write_whole(target, report_page(run).encode())
     return target
 
