@@ -40,7 +40,7 @@ __all__ = [
     "ExcludeStride", "MoveEvent", "apply_event_edits", "read_event_edits", "replay_event_edits",
 ]  # fmt: skip
 
-_KINDS = (
+_KIND_WORDS = (
     (MoveEvent, "event", "moved"), (DeleteEvent, "event", "deleted"),
     (AddEvent, "event", "added"), (ExcludeStride, "stride", "excluded"),
 )  # fmt: skip
@@ -279,7 +279,7 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
 def describe_kinds(edits: Sequence[EventEdit]) -> str:
     """Return how many corrections of each kind there are, in words."""
     said = []
-    for kind, thing, done in _KINDS:
+    for kind, thing, done in _KIND_WORDS:
         n = sum(isinstance(edit, kind) for edit in edits)
         said += [f"{n} {thing if n == 1 else f'{thing}s'} {done}"] if n else []
     return ", ".join(said)
