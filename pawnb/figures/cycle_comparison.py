@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pawnb.figures.long_names import letters_in, width_of, wrap_name
 from pawnb.figures.panels import add_heading, label_outer, make_panels, with_unit
 from pawnb.figures.style import OKABE_ITO, small_pt, style
 from pawnb.gait.cycles import AVERAGE_COLUMNS, average_cycles
@@ -23,6 +24,10 @@ COLUMNS = (
 _COLOURS = ("blue", "vermillion", "bluish green", "reddish purple", "orange", "black")
 _LINES = ("-", (0, (3, 1.2)), (0, (1, 1)), (0, (5, 1, 1, 1)))
 _SHOWN_P = 0.05
+_SMALL = 0.75
+"""Width of the letters of details, as a share of the others."""
+_LINE_LETTERS = 8
+"""Room that the line beside a name in the legend takes, letters."""
 
 
 def build_cycle_comparison_table(
@@ -106,14 +111,14 @@ def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
             height_mm=_height_mm(len(legs)), columns=None if len(legs) <= 6 else 4,
         )  # fmt: skip
         drawn: list[Any] = []
+        room = letters_in(_panel_mm(panels), size=_SMALL)
         for panel, leg in zip(panels, legs, strict=True):
             own = curves[curves["leg"] == leg]
             drawn = [_draw_curve(panel, own[own["group"] == g], k) for k, g in enumerate(groups)]
             panel.set_xlim(0.0, 100.0)
             found = clusters[(clusters["leg"] == leg) & (clusters["p"] <= _SHOWN_P)]
             counts = own.groupby("group", sort=False)["n_animals"].max()
-            said = ", ".join(f"{name}: {n:.0f}" for name, n in counts.items())
-            add_heading(panel, leg, f"animals {said}" + _say_p(found))
+            add_heading(panel, leg, _say_animals(counts, room) + _say_p(found))
         _draw_clusters(panels, legs, clusters, curves)
         first = curves.iloc[0]
         name = str(first["signal"])
@@ -123,9 +128,31 @@ def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
             figure: Any = panels[0].figure
             notes = dict.fromkeys(clusters["note"].fillna("").astype(str))
             said = "\n".join([f"Bands: {first['band']}", *filter(None, notes)])
-            figure.legend(drawn, groups, loc="outside lower center", ncols=len(groups),
-                          title=said)  # fmt: skip
+            wide = letters_in(25.4 * figure.get_size_inches()[0] - 10.0)
+            beside = sum(len(name) + _LINE_LETTERS for name in groups) <= wide
+            names = [wrap_name(name, wide - _LINE_LETTERS) for name in groups]
+            figure.legend(drawn, names, loc="outside lower center", title=said,
+                          ncols=len(groups) if beside else 1)  # fmt: skip
+            if not beside:
+                lines = sum(name.count("\n") + 1 for name in names) - 1
+                width, height = figure.get_size_inches()
+                figure.set_size_inches(width, height + lines * width_of(2) / 25.4)
     return panels[0]
+
+
+def _panel_mm(panels: list[Any]) -> float:
+    """Return about how wide a panel is, mm."""
+    place = panels[0].get_subplotspec()
+    beside = 1 if place is None else place.get_gridspec().ncols
+    return float(25.4 * panels[0].figure.get_size_inches()[0] / beside)
+
+
+def _say_animals(counts: pd.Series[float], room: int) -> str:
+    """Say how many animals each group has; without the names where they are long."""
+    said = "animals " + ", ".join(f"{name}: {n:.0f}" for name, n in counts.items())
+    if len(said) <= room:
+        return said
+    return "animals " + ", ".join(f"{n:.0f}" for n in counts)  # in the order of the legend
 
 
 def _height_mm(n_legs: int) -> float:
@@ -156,6 +183,7 @@ def _draw_clusters(
     low = float(curves[["mean", "low"]].min().min())
     high = float(curves[["mean", "high"]].max().max())
     pairs = list(dict.fromkeys(zip(clusters["group_a"], clusters["group_b"], strict=True)))
+    room = letters_in(_panel_mm(panels), size=_SMALL)
     step = 0.06 * (high - low) or 0.1
     for panel, leg in zip(panels, legs, strict=True):
         own = clusters[(clusters["leg"] == leg) & (clusters["p"] <= _SHOWN_P)]
@@ -170,6 +198,6 @@ def _draw_clusters(
                 panel.plot([start, stop], [y, y], color="black", linewidth=2.2,
                            solid_capstyle="butt")  # fmt: skip
             if len(pairs) > 1:
-                panel.annotate("-".join(between), (first, y), ha="left", va="top",
+                panel.annotate(wrap_name("-".join(between), room), (first, y), ha="left", va="top",
                                fontsize=small_pt())  # fmt: skip
     panels[0].set_ylim(low - (len(pairs) + 1.2) * step, high + step)

@@ -11,8 +11,9 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
+from pawnb.figures.long_names import letters_in, wrap_name
 from pawnb.figures.panels import add_animal_legend, add_letter, draw_points, open_grid
-from pawnb.figures.style import figure_size, mark_animals, small_pt, style
+from pawnb.figures.style import figure_size, get_style, mark_animals, small_pt, style
 from pawnb.gait.groups import compare_groups, mean_by_animal
 from pawnb.schema import check_columns
 
@@ -21,6 +22,8 @@ COLUMNS = (
     "p_adjusted", "n", "n_animals", "paired",
 )  # fmt: skip
 _FROM_COMPARISON = ("ci_low", "ci_high", "effect", "p", "p_adjusted")
+_AXIS_SHARE = 0.7
+"""Of the width of the figure, without the numbers beside it."""
 
 
 def build_estimation_table(
@@ -190,7 +193,10 @@ def plot_estimation(
         _draw_differences(below, table, groups)
         means = table[table["row"] == "mean"].set_index("group")
         counts = means["n_animals"].astype(int)
-        words = [f"{g}\n{counts[g]} animal{'s' * int(counts[g] != 1)}" for g in groups]
+        room = _letters(groups)
+        words = [
+            f"{wrap_name(g, room)}\n{counts[g]} animal{'s' * int(counts[g] != 1)}" for g in groups
+        ]
         below.set_xticks(range(len(groups)), words)
         below.set_xlim(-0.6, len(groups) - 0.25)
         above.set_ylabel(label)
@@ -203,6 +209,11 @@ def plot_estimation(
     return above
 
 
+def _letters(groups: list[str]) -> int:
+    """Return how many letters of a group's name fit into a line beside those of the others."""
+    return letters_in(_AXIS_SHARE * get_style().column_mm / len(groups))
+
+
 def _draw_differences(ax: Axes, table: pd.DataFrame, groups: list[str]) -> None:
     """Draw differences with intervals, and write effect size and p beside them."""
     ax.axhline(0.0, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
@@ -211,7 +222,7 @@ def _draw_differences(ax: Axes, table: pd.DataFrame, groups: list[str]) -> None:
         if math.isfinite(pair["ci_low"]):
             ax.plot([x, x], [pair["ci_low"], pair["ci_high"]], color="black", linewidth=1.6)
         ax.plot([x], [value], marker="o", markersize=5.0, color="black")
-        said = f"less {pair['against']}"
+        said = wrap_name(f"less {pair['against']}", _letters(groups))
         if math.isfinite(pair["effect"]):
             said += f"\ng {pair['effect']:.2f}"
         if math.isfinite(pair["p_adjusted"]):

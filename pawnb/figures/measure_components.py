@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pawnb.errors import InputError
+from pawnb.figures.long_names import wrap_name
 from pawnb.figures.measure_heat_map import say_measure
 from pawnb.figures.panels import add_animal_legend, add_letter, draw_points, open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, mark_animals, small_pt, style
@@ -21,6 +22,9 @@ from pawnb.schema import check_columns
 
 COLUMNS = ("row", "animal", "group", "measure", "component", "value", "explained", "note")
 _MOST_LOADINGS = 12
+_LEGEND_LETTERS = 22
+_MOST_BESIDE_LEGEND = 12
+"""Animals among which there is room for a legend; those of more are not named, either."""
 _GROUPS = ("blue", "vermillion", "bluish green", "reddish purple", "orange", "black")
 
 
@@ -142,7 +146,14 @@ def _draw_scores(ax: Any, scores: pd.DataFrame, names: list[str], said: Mapping[
     ax.margins(0.12)
     if len(groups) > 1:
         handles = [Line2D([], [], color=colours[g], linewidth=3.0) for g in groups]
-        ax.legend(handles, groups, fontsize=small_pt(), handlelength=1.0)
+        crowded = len(marks) > _MOST_BESIDE_LEGEND
+        named = [wrap_name(group, _LEGEND_LETTERS) for group in groups]
+        spot: dict[str, Any] = (
+            {"loc": "outside lower left", "ncols": len(groups)} if crowded else {}
+        )
+        (ax.figure if crowded else ax).legend(
+            handles, named, **spot, fontsize=small_pt(), handlelength=1.0
+        )
     add_animal_legend(ax, marks)
 
 

@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
+from pawnb.figures.long_names import letters_in, width_of, wrap_name
 from pawnb.figures.panels import new_axes, speed_unit, with_unit
 from pawnb.figures.style import figure_size, style
 from pawnb.gait.overview import measures_by_animal, standardise
@@ -18,6 +19,10 @@ from pawnb.schema import check_columns
 COLUMNS = ("animal", "group", "measure", "mean", "z")
 _LIMIT_SD = 2.5
 """Colours end here: one of a few animals can hardly be further from the mean."""
+_USUAL_LETTERS = 8
+"""Longer names of animals make the figure higher."""
+_AXES_SHARE = 0.6
+"""Of the width of the figure: without the measures and the bar of colours."""
 _UNITS = {
     "_deg_s2": " (deg/s²)", "_deg_s": " (deg/s)", "_deg": " (deg)", "_hz": " (Hz)", "_s": " (s)",
     "_bl": " (body lengths)",
@@ -135,7 +140,9 @@ def plot_measure_heat_map(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
     with style():
         if ax is None:
             wide = 1 if len(animals) <= 8 else 2
-            _, ax = new_axes(figsize=figure_size(wide, max(62.0, 30.0 + 4.0 * len(measures))))
+            longer = width_of(max(map(len, animals))) - width_of(_USUAL_LETTERS)
+            high = max(62.0, 30.0 + 4.0 * len(measures)) + max(0.0, longer)
+            _, ax = new_axes(figsize=figure_size(wide, high))
         drawn = ax.imshow(
             grid.loc[measures, animals].to_numpy(), cmap=mpl.colormaps["PuOr_r"], aspect="auto",
             vmin=-_LIMIT_SD, vmax=_LIMIT_SD, interpolation="nearest",
@@ -155,11 +162,13 @@ def _part_groups(ax: Any, table: pd.DataFrame, animals: list[str]) -> None:
     """Draw lines between groups and their names above them."""
     of = dict(zip(table["animal"].astype(str), table["group"].astype(str), strict=True))
     names = [of[animal] for animal in animals]
+    whole_mm = _AXES_SHARE * 25.4 * ax.figure.get_size_inches()[0]
     for name in dict.fromkeys(names):
         inside = [k for k, other in enumerate(names) if other == name]
         if name:
             middle = (inside[0] + inside[-1]) / 2.0
-            ax.annotate(name, (middle, 1.0), xycoords=("data", "axes fraction"), ha="center",
+            words = wrap_name(name, letters_in(whole_mm * len(inside) / len(animals)))
+            ax.annotate(words, (middle, 1.0), xycoords=("data", "axes fraction"), ha="center",
                         va="bottom", xytext=(0, 2), textcoords="offset points")  # fmt: skip
         if inside[0]:
             ax.axvline(inside[0] - 0.5, color="black", linewidth=1.2)
