@@ -8,7 +8,7 @@ events that were found are never changed: reading the file again gives the prese
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -146,7 +146,12 @@ class EventEdits:
         return tables
 
 
-def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Path]) -> GaitTables:
+def replay_event_edits(
+    tables: GaitTables,
+    paths: str | Path | Sequence[str | Path],
+    *,
+    renamed: Mapping[tuple[str, str], tuple[str, str]] | None = None,
+) -> GaitTables:
     """Return an analysis with the corrections of files; a file that is not there has none.
 
     Parameters
@@ -156,6 +161,8 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
         it holds already give way to those of the files.
     paths : str, Path or a sequence of them
         Files ``event_edits.jsonl``; they are only read.
+    renamed : mapping, optional
+        Other names of an animal and trial, which files may use, to those of this analysis.
 
     Returns
     -------
@@ -190,6 +197,7 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
     notes: list[str] = []
     for file in files:
         edits, remarks = read_event_edits(file)
+        edits = [_under_its_name(edit, here, renamed or {}) for edit in edits]
         own = [edit for edit in edits if (edit.animal, edit.trial, edit.leg) in here]
         ours += own
         of_files.append((file.name, own))
@@ -221,6 +229,18 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
             f"{describe_left_out(left_out)}; look at them in the GaitExplorer."
         )
     return dataclasses.replace(corrected, notes=(*tables.notes, *notes))
+
+
+def _under_its_name(
+    edit: EventEdit,
+    here: Collection[tuple[str, str, str]],
+    renamed: Mapping[tuple[str, str], tuple[str, str]],
+) -> EventEdit:
+    """Return a correction under what its animal and trial are called in this analysis."""
+    now = renamed.get((edit.animal, edit.trial))
+    if now is None or (edit.animal, edit.trial, edit.leg) in here:
+        return edit
+    return dataclasses.replace(edit, animal=now[0], trial=now[1])
 
 
 def read_event_edits(path: str | Path) -> tuple[list[EventEdit], list[str]]:

@@ -222,7 +222,7 @@ def carry_out(
         usually = [usual] * bool(study is not None or corrected)
         edits = _event_edit_files(sources, [*usually, *corrected, folder])
         edits = edits if again is None else list(again.edits)
-        tables = gait.replay_event_edits(tables, edits)
+        tables = gait.replay_event_edits(tables, edits, renamed=_renamed(sources))
         step = record_of(
             request, sources, edits, tables=tables, study=study, command=command, again=again
         )
@@ -391,6 +391,13 @@ def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
         return table
     who = zip(table["animal"].astype(str), table["trial"].astype(str), strict=True)
     return table.assign(group=[groups.get(one, "") for one in who])
+
+
+def _renamed(sources: Sequence[GaitSource]) -> dict[tuple[str, str], tuple[str, str]]:
+    """Return what inputs call their animal and trial to what these are called in this analysis."""
+    own = [(s.called, (s.animals[0], s.trial_name)) for s in sources if s.called is not None]
+    once = [called for called, _ in own]
+    return {called: now for called, now in own if once.count(called) == 1}
 
 
 def _event_edit_files(sources: Sequence[GaitSource], further: Sequence[Path]) -> list[Path]:

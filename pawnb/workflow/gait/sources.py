@@ -65,6 +65,8 @@ class GaitSource:
         Covariates: what is known of its animal beside its group.
     legs : mapping, optional
         Names of legs to names of points, as its study says.
+    called : tuple of str, optional
+        Animal and trial as tracks of one animal say them, where other names were given.
     """
 
     path: Path
@@ -79,6 +81,7 @@ class GaitSource:
     settings: Mapping[str, Any] = field(default_factory=dict)
     fields: Mapping[str, Any] = field(default_factory=dict)
     legs: Mapping[str, str] | None = None
+    called: tuple[str, str] | None = None
 
     @property
     def given(self) -> Path:
@@ -111,7 +114,7 @@ class GaitSource:
         trial = self.trial
         if trial is not None:
             trial = replace(trial, animal=replace(trial.animal, id=animal))
-        return replace(self, trial=trial, guessed=False)
+        return replace(self, trial=trial, guessed=False, called=self._own_names())
 
     def _of_several(self, ids: list[str], tracks: Tracks) -> Tracks:
         """Return tracks of several animals under other ids."""
@@ -142,7 +145,14 @@ class GaitSource:
         if self.events is not None:
             return replace(self, events=self.events.assign(trial=name))
         trial = self.trial
-        return replace(self, trial=None if trial is None else replace(trial, name=name))
+        named = None if trial is None else replace(trial, name=name)
+        return replace(self, trial=named, called=self._own_names())
+
+    def _own_names(self) -> tuple[str, str] | None:
+        """Return animal and trial as the input itself says them, where it is of one animal."""
+        if self.called is not None or len(self.animals) != 1:
+            return self.called
+        return self.animals[0], self.trial_name
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:

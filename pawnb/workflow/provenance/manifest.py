@@ -14,13 +14,14 @@ from __future__ import annotations
 
 import hashlib
 import json
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.files import Listing, check_file, child_folder, locked, read_text, staged, staged_files
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
 from pawnb.workflow.provenance.labels import is_labelled
@@ -67,7 +68,7 @@ def writing_results(
     """Write the results of a run, all or none of them.
 
     Files that the last run of this kind left and this one does not write are removed where they
-    are as it wrote them.
+    are as it wrote them; of others a warning says that they stay.
 
     Parameters
     ----------
@@ -202,15 +203,20 @@ def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[
     other: RunKind = "gait" if run == "track" else "track"
     own, others = [dict(step) for step in steps], before.steps_of(other)
     manifest = Manifest([*own, *others] if run == "track" else [*others, *own], files)
-    gone = [
-        name
-        for name, sha256 in before.files_of(run).items()
-        if name not in sums and _sha256(folder / name) == sha256
-    ]
+    others_of_before = {n: sha for n, sha in before.files_of(run).items() if n not in sums}
+    now = {name: _sha256(folder / name) for name in others_of_before}
+    gone = [name for name, sha256 in others_of_before.items() if now[name] == sha256]
     Listing(folder, MANIFEST, PUT_ASIDE).replace(
         staging, sums, gone=gone, listing=_text(manifest).encode(),
         empty=_text(Manifest([], {})).encode(),
     )  # fmt: skip
+    if kept := [name for name in others_of_before if now[name] is not None and name not in gone]:
+        verb = "was" if len(kept) == 1 else "were"
+        warnings.warn(
+            f"{folder}: {', '.join(kept)} {verb} changed by hand after an earlier run, and this "
+            "run writes no such file: kept, but not of these results; take it away or give it "
+            "another name.", InputWarning, stacklevel=4,
+        )  # fmt: skip
 
 
 def _text(manifest: Manifest) -> str:

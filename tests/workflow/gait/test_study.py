@@ -12,6 +12,7 @@ import pytest
 from pawnb.errors import InputError
 from pawnb.gait import pool
 from pawnb.gait.events.event_edits import EventEdits, ExcludeStride
+from pawnb.synthetic import write_deeplabcut_sample
 from pawnb.workflow.gait import study_tables
 from pawnb.workflow.gait.inputs import analyse_source, check_alike, read_pairs, read_sources
 from pawnb.workflow.gait.request import GaitRequest
@@ -369,3 +370,17 @@ def test_a_study_whose_columns_are_in_capitals_is_told_their_names(tmp_path):
     (tmp_path / "study.csv").write_text("File,Animal,Group\none.csv,m1,a\n")
     with pytest.raises(InputError, match=r"A study needs the columns 'file' .* found File, "):
         run_gait(tmp_path / "study.csv")
+
+
+@pytest.mark.slow
+def test_corrections_of_a_file_by_itself_count_in_a_study_that_names_its_animal(tmp_path):
+    """The file says no animal: by itself it is called as the file, in the study m1 and first."""
+    one, two = write_deeplabcut_sample(tmp_path, animals=2)
+    exclude_one(run_gait(one, fps=200.0, figures="none"))
+    study = tmp_path / "study.csv"
+    rows = [f"{one.name},m1,first,200", f"{two.name},m2,second,200"]
+    study.write_text("\n".join(["file,animal,name,fps", *rows]) + "\n")
+    run = run_gait(study, figures="none", out=tmp_path / "out")
+    (row,) = run.tables.dropped.query("why == 'excluded by hand: stumbled'").to_dict("records")
+    assert (row["animal"], row["trial"]) == ("m1", "first")
+    assert not any("left out" in note for note in run.tables.notes)
