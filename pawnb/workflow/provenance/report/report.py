@@ -36,6 +36,11 @@ _REPORT_TABLES = (
     "trials", "groups", "phase_summary", "animals", "legs", "against_speed", "phase_speed",
     "scaling", "expected_exponents", "joint_ranges", "steadiness", "stride_durations",
 )  # fmt: skip
+_NAMED = (
+    "animal", "trial", "group", "condition", "group_a", "group_b", "leg", "reference", "where",
+    "what", "rows",
+)  # fmt: skip
+"""Columns of words, however much like numbers or like nothing these look."""
 _P_OF_GROUPS = {
     "p": "p", "p_adjusted": "p, Holm within the measure", "p_all_measures": "p over all measures",
 }  # fmt: skip
@@ -107,7 +112,7 @@ def report_page(run: GaitRun) -> str:
     """
     animals = sorted(run.tables.events["animal"].astype(str).unique())
     title = f"Gait of {animals[0]}" if len(animals) == 1 else f"Gait of {len(animals)} animals"
-    notes = note_lines(pd.read_csv(run.out / "notes.csv"))
+    notes = note_lines(_read(run.out / "notes.csv"))
     methods = (run.out / "methods.txt").read_text(encoding="utf-8").strip().split("\n\n")
     body = [*(f"<p>{text(_BLANK_OF_ONE)}</p>" for _ in range(len(animals) == 1))]
     body += ["<h2>Animals and strides</h2>", table(_counts(run))]
@@ -118,6 +123,12 @@ def report_page(run: GaitRun) -> str:
     body += ["<h2>Tables</h2>", *_tables(run), "<h2>Figures</h2>", *_figures(run.out)]
     body += ["<h2>Provenance</h2>", _provenance(run.out)]
     return page(title, body)
+
+
+def _read(path: Path) -> pd.DataFrame:
+    """Read a table of the run: an animal may be called 01, and a group NA."""
+    names = dict.fromkeys(_NAMED, str)
+    return pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=names)
 
 
 def _counts(run: GaitRun) -> pd.DataFrame:
@@ -133,7 +144,7 @@ def _counts(run: GaitRun) -> pd.DataFrame:
     by_animal = strides.groupby("animal", sort=True)
     counts = by_animal.agg(trials=("trial", "nunique"), strides=("trial", "size"))
     medians = by_animal[known].median().rename(columns=names)
-    trials = pd.read_csv(run.out / "trials.csv", dtype={"animal": str, "group": str})
+    trials = _read(run.out / "trials.csv")
     groups = trials.dropna(subset=["group"]).groupby("animal")["group"]
     if len(groups):
         counts.insert(0, "group", groups.agg(lambda own: ", ".join(dict.fromkeys(own))))
@@ -154,7 +165,7 @@ def _tables(run: GaitRun) -> list[str]:
         path = run.out / f"{name}.csv"
         if not path.exists():
             continue
-        values = pd.read_csv(path)
+        values = _read(path)
         if name == "groups":  # those of single legs are follow-ups
             values = values.loc[values["role"] != "follow-up"]
         values = values.drop(columns="note", errors="ignore").dropna(axis=1, how="all")

@@ -23,7 +23,7 @@ from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
-from pawnb.workflow.provenance.report.report import _by_group, _by_leg
+from pawnb.workflow.provenance.report.report import _by_group, _by_leg, write_report
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.report.words import figure_order
 
@@ -273,3 +273,16 @@ def test_the_report_stands_alone(tmp_path, capsys):
     assert "Gait of 3 animals" in found.said
     assert {"Methods", "What was left out", "Notes", "Tables", "Figures"} <= set(found.said)
     assert sorted(path.name for path in Path(tmp_path).iterdir()) == ["r.html", "scored.csv"]
+
+
+@pytest.mark.slow
+def test_names_that_look_like_numbers_or_like_nothing_stay_names(tmp_path):
+    """Animal 01 is not animal 1, and a group may be called NA."""
+    rows = events(("01", "1", "NA", "nan"), groups=True)
+    rows["group"] = rows["group"].map({"01": "NA", "1": "NA", "NA": "1.0", "nan": "1.0"})
+    rows.to_csv(tmp_path / "scored.csv", index=False)
+    said = Reader(write_report(tmp_path / "scored.csv").read_text()).said
+    counted = said[said.index("Animals and strides") :][: said.index("Methods")]
+    for name in ("01", "1", "NA", "nan", "1.0"):
+        assert name in counted
+    assert any("NA" in words and "1.0" in words and "(2)" in words for words in said)
