@@ -358,4 +358,5 @@ class GaitSession:
             said.append(f"{self.event[1]} of {self.event[0]} at {self.event[2]:.3f} s")
         if self.place_s is not None:
             said.append(f"no event of {self.shown_leg} at {self.place_s:.3f} s: one can be added")
+        said += [note.rstrip(".") for note in self.edits.notes]
         return "; ".join([*said, self._missed] if self._missed else said) + "."

@@ -319,3 +319,14 @@ def test_endless_names_of_legs_stay_in_the_picture(spider):
                 assert box.y0 > -2, text
                 assert box.y1 < figure.bbox.y1 + 2, text
     explorer.close()
+
+
+def test_corrections_of_another_file_are_said(tables, tmp_path):
+    """Those of a trial by itself are not in the file of its study."""
+    session = GaitSession(tables, tmp_path / "trial.jsonl")
+    session.pick("R1", 0.45)
+    session.exclude_stride("stumbled")
+    pooled = replay_event_edits(tables, tmp_path / "trial.jsonl")
+    said = GaitSession(pooled, tmp_path / "study.jsonl").text()
+    assert "corrections that are not in" in said
+    assert "not in" not in GaitSession(pooled, tmp_path / "trial.jsonl").text()

@@ -84,6 +84,11 @@ class EventEdits:
         for entry in [] if self._file is None else self._file.entries:
             enter_step(self._past, self._future, entry)
         self.tables, self.left_out = _apply(self._found, self._past, known=len(self._past))
+        if path is not None and tables.found is not None and not _alike(tables, self.tables):
+            self.notes.append(
+                f"this analysis has corrections that are not in {Path(path)}, as those in the "
+                "results of a single trial: they are not shown here, and pawnb gait makes both"
+            )
 
     @property
     def active(self) -> tuple[EventEdit, ...]:
@@ -294,6 +299,11 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
         If a correction does not fit the events.
     """
     return _apply(tables, edits)[0]
+
+
+def _alike(one: GaitTables, other: GaitTables) -> bool:
+    """Say whether two states of an analysis have the same events and strides."""
+    return one.events.equals(other.events) and one.strides.equals(other.strides)
 
 
 def describe_kinds(edits: Sequence[EventEdit]) -> str:

@@ -405,3 +405,13 @@ def test_a_renamed_animal_is_told_how_to_keep_its_corrections(tables, tmp_path):
     renamed = gait.analyse_events(tables.events.assign(animal="mouse 1"))
     (note,) = (n for n in replay_event_edits(renamed, path).notes if "left out" in n)
     assert "change its name in that file" in note
+
+
+def test_corrections_of_another_file_are_said_where_one_is_opened(tables, tmp_path):
+    """Those of a trial by itself are not in the file of its study."""
+    own, study = tmp_path / "own.jsonl", tmp_path / "study.jsonl"
+    EventEdits(tables, own).apply(move(0.42))
+    both = replay_event_edits(tables, [own, study])
+    (said,) = EventEdits(both, study).notes
+    assert "corrections that are not in" in said
+    assert not EventEdits(both, own).notes
