@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from itertools import combinations
 
+from pawnb.core.calibration.in_step import find_out_of_step, motion_of_views
 from pawnb.core.video import ViewSet
-from pawnb.core.video.in_step import find_out_of_step, motion_of_views
 from pawnb.trial import Trial
 
 
@@ -34,17 +34,40 @@ def doubt_steps(trial: Trial, views: ViewSet, *, start: int, stop: int) -> list[
     if not pairs:
         return []
     said = []
+    wrong = "" if trial.calibration is None else ", and places in space will be wrong"
     for one in find_out_of_step(motion_of_views(views, start, stop), pairs=pairs):
         offset = trial.view(one.view).offset
         n = f"{abs(one.late)} frame{'s' if abs(one.late) > 1 else ''}"
         said.append(
             f"what moves in view {one.view} moves {n} {'later' if one.late > 0 else 'earlier'} "
             f"than in view {one.other} (likeness {one.likeness:.2f} once moved, "
-            f"{one.likeness_now:.2f} as it is): the films seem not to be in step, and places in "
-            f"space will be wrong; compare a touch-down in both, and set offset = "
-            f"{offset + one.late} of view {one.view} (now {offset}) if it fits"
+            f"{one.likeness_now:.2f} as it is): the films seem not to be in step{wrong}; "
+            f"compare a touch-down in both, and set offset = {offset + one.late} of view "
+            f"{one.view} (now {offset}) if it fits"
         )
     return said
+
+
+def may_be_out_of_step(trial: Trial, views: ViewSet) -> bool:
+    """Tell whether films need not have been started together, by what is known without a look.
+
+    Cameras that are triggered together give films of one length, and no offset is stated. Looking
+    takes as long as decoding 200 frames, so tracking does it only here, and ``pawnb check`` always.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views.
+
+    Returns
+    -------
+    bool
+        Whether an offset is stated, or lengths differ.
+    """
+    lengths = {reader.n_frames for reader in views.readers.values()}
+    return len(lengths) > 1 or any(view.offset for view in trial.views)
 
 
 def _show_the_same(trial: Trial, a: str, b: str) -> bool:

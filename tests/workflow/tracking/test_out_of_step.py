@@ -7,17 +7,17 @@ import pytest
 from pawnb.core.video import open_views
 from pawnb.trial import load_trial
 from pawnb.workflow.checking.check import check_trial
-from pawnb.workflow.tracking.out_of_step import doubt_steps
+from pawnb.workflow.tracking.out_of_step import doubt_steps, may_be_out_of_step
 
 N = 120
 
 
-def film(path, late):
+def film(path, late, n=N):
     """A spot that steps from place to place at times of its own, on a grey ground with noise."""
     rng, noise = np.random.default_rng(3), np.random.default_rng(late + 10)
     at = np.cumsum(rng.choice([0.0, 0.0, 0.0, 0.0, 9.0], N + 10)) % 120.0
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 100.0, (160, 60), False)
-    for place in at[5 - late : 5 - late + N]:
+    for place in at[5 - late : 5 - late + n]:
         grey = noise.normal(90.0, 1.0, (60, 160))
         grey[20:40, int(place) + 10 : int(place) + 30] = 200.0
         writer.write(np.clip(grey, 0, 255).astype(np.uint8))
@@ -48,3 +48,15 @@ def test_films_in_step_or_of_other_legs_are_not_doubted(tmp_path, offset, late, 
     trial = filmed(tmp_path, offset=offset, late=late, points=points)
     with open_views(trial) as views:
         assert doubt_steps(trial, views, start=0, stop=views.n_frames) == []
+
+
+def test_tracking_looks_only_where_films_need_not_have_been_started_together(tmp_path):
+    for name, offset, expected in (("plain", 0, False), ("offset", 2, True)):
+        (tmp_path / name).mkdir()
+        trial = filmed(tmp_path / name, offset=offset)
+        with open_views(trial) as views:
+            assert may_be_out_of_step(trial, views) is expected
+    film(tmp_path / "plain" / "top.avi", 0, n=N - 2)
+    trial = load_trial(tmp_path / "plain")
+    with open_views(trial) as views:
+        assert may_be_out_of_step(trial, views)

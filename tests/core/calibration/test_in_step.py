@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from pawnb.core.video.in_step import find_out_of_step
+from pawnb.core.calibration.in_step import find_out_of_step
 
 NAMES = ("a", "b", "c")
 
