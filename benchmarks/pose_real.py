@@ -21,8 +21,10 @@ import numpy as np
 import pandas as pd
 import real_animals as real
 
+import pawnb
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.fit.explanation import fit_to_picture
 from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses, joint_positions, leg_angles, tip_positions
@@ -39,6 +41,7 @@ SCORED, SURE = 0.5, 0.7
 """SLEAP's score from which a tip counts, and from which on it is seldom seen to be wrong: below, a
 hind leg's tip often lies on a wing."""
 FLY_PX, SPIDER_PX = 12.0, 6.0
+FLY_FPS = 25.0
 START_FRAMES = (0, 200, 400, 570, 600)
 _COLOURS = ((0, 0, 255), (0, 160, 0), (255, 0, 0), (0, 150, 255))
 
@@ -210,6 +213,8 @@ def measure_fly(folder: Path, pictures: Path | None, disturb: int | None) -> Non
         track, ms = tracked(reader, background, animal=animal, start=start, stop=reader.n_frames)
         found = tip_positions(animal, track.poses)
         print(f"fly: {int(np.isfinite(found[:, 0, 0]).sum())} frames, {ms:.0f} ms a frame")
+        told = pawnb.assess_quality(tracks_from_poses(animal, track, fps=FLY_FPS, view="top"))
+        print(f"verdict: {told.verdict}, {100 * told.expected_right:.1f} % expected right")
         tips = tips[tips["score"] > SCORED]
         leg_of = [animal.leg_names.index(leg) for leg in tips["leg"]]
         away = found[tips["frame"], leg_of] - tips[["u", "v"]].to_numpy()

@@ -90,7 +90,8 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
         raise KeyboardInterrupt
     quality = assess_quality(tracks)
     said = f"tracked {tracks.sizes['time']} frames: {quality.line()}"
-    print(f"{said}; wrote {out}; next: {next_step(quality, out)}")
+    after = next_step(quality, out, of_poses=trial.kind == "pose")
+    print(f"{said}; wrote {out}; next: {after}")
     return EXIT_FAILED if quality.verdict == "failed" else 0
 
 

@@ -146,7 +146,7 @@ def _factor(width_px: int) -> int:
 def _smooth_grey(image: ByteArray) -> FloatArray:
     """Return a picture in grey without its finest detail."""
     grey = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY) if image.ndim == 3 else image
-    return np.asarray(cv2.GaussianBlur(np.float32(grey), (0, 0), _MOTION_BLUR_PX))
+    return np.asarray(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), _MOTION_BLUR_PX))
 
 
 def _fast_part(motion: FloatArray) -> FloatArray:

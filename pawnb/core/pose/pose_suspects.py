@@ -44,6 +44,11 @@ _LEAST_SCORE = 0.5
 """Frames with less doubt than this are not listed."""
 _MOST_DOUBT = 3.0
 """What one reason adds at most, so that none drowns the others."""
+_SHOWN = (0.0, 0.02, 0.2, 0.6, 1.0)
+_RIGHT = (0.57, 0.85, 0.92, 0.96, 0.995)
+"""How often a tip is right, by the confidence of its leg: within 12 px of SLEAP's surer than 0.7 on
+a real fly (flies-topview, 2016 tips from four starts); of three rendered spiders, of which only 24
+of 1896 tips are below 0.8, all are right, as are the legs of spider-nephila (0.92 and more)."""
 
 
 @dataclass(frozen=True)
@@ -93,6 +98,23 @@ def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
                 reason = _in_words(doubts, t, leg)
                 rows.append((int(frames[t]), view, animal.leg_names[leg], reason, round(score, 3)))
     return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
+
+
+def chances_of_tips(confidence: FloatArray) -> FloatArray:
+    """Return how likely the tip of a leg is right, by how much of the leg the picture shows.
+
+    Parameters
+    ----------
+    confidence : ndarray
+        Of the default tracker in one view, 0 to 1.
+
+    Returns
+    -------
+    ndarray
+        0 to 1, of the same shape. A leg that the picture does not show is right now and then only:
+        it follows its body and its own usual motion.
+    """
+    return np.interp(np.nan_to_num(confidence), _SHOWN, _RIGHT)
 
 
 def _in_words(doubts: list[_Doubt], t: int, leg: int) -> str:

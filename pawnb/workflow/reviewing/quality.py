@@ -9,7 +9,9 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
+from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
+from pawnb.core.pose.pose_suspects import chances_of_tips
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import read_text
 from pawnb.schema import START_COLUMNS, Tracks
@@ -46,8 +48,20 @@ def assess_quality(tracks: Tracks) -> Quality:
     True
     """
     if is_pose(tracks):
-        return assess(tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names]))
+        return assess(
+            _with_chances(tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names]))
+        )
     return assess(tracks, clicks=clicks_of_tracks(tracks))
+
+
+def _with_chances(poses: Tracks) -> Tracks:
+    """Return poses of one view whose labels have the probability of being right; others as are."""
+    if poses.sizes["view"] > 1 or "sd" not in poses:
+        return poses  # in space all views decide; without sd they are of another method
+    chances = chances_of_tips(poses["image_confidence"].to_numpy())
+    confidence = poses["image_confidence"].copy(data=chances)
+    confidence.attrs[CALIBRATED] = 1
+    return poses.assign(image_confidence=confidence)
 
 
 def clicks_of_tracks(tracks: Tracks) -> pd.DataFrame | None:
@@ -96,7 +110,7 @@ def read_verdict(folder: str | Path) -> str:
         return ""
 
 
-def next_step(quality: Quality, out: str | Path) -> str:
+def next_step(quality: Quality, out: str | Path, *, of_poses: bool = False) -> str:
     """Say what to do with tracks of a verdict.
 
     Parameters
@@ -105,11 +119,21 @@ def next_step(quality: Quality, out: str | Path) -> str:
         The verdict.
     out : str or Path
         Folder of the results.
+    of_poses : bool
+        Whether they are of a jointed animal.
+
+    Returns
+    -------
+    str
+        A command, or words.
     """
+    reviewer = "PoseReviewer" if of_poses else "TrackReviewer"
     if quality.verdict == "good" and not quality.poor_points:
         return f"pawnb gait {out}"
     if quality.verdict in ("good", "look"):
-        return f"review (pawnb.widgets.TrackReviewer), then pawnb gait {out}"
+        return f"review (pawnb.widgets.{reviewer}), then pawnb gait {out}"
+    if of_poses:
+        return "pose the animal anew (pawnb.widgets.StickPoser), and track again"
     return "click the points in more frames (pawnb suggest names some), and track again"
 
 

@@ -4,11 +4,17 @@ import numpy as np
 import pytest
 from walking_poses import uncertain_track, walking_poses
 
+import pawnb
 from pawnb.core.pose.as_tracks import tracks_from_poses
-from pawnb.core.pose.pose_suspects import find_pose_suspects, joints_beyond_range
+from pawnb.core.pose.pose_suspects import (
+    chances_of_tips,
+    find_pose_suspects,
+    joints_beyond_range,
+)
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.schema import ORIGIN_CODE
+from pawnb.workflow.reviewing.quality import next_step
 
 ANIMAL = load_species("dolomedes")
 LEGS = ANIMAL.leg_names
@@ -55,6 +61,29 @@ def test_a_joint_beyond_its_range_in_all_frames(track):
     # frames that are listed lie apart
     assert np.diff(np.sort(rows["frame"])).min() >= 3
     assert joints_beyond_range(ANIMAL, track.poses.angles_deg[0]) == {"L1_TM": pytest.approx(25)}
+
+
+@pytest.mark.parametrize(
+    ("confidence", "verdict"), [(1.0, "good"), (0.8, "good"), (0.1, "look"), (0.0, "look")]
+)
+def test_the_verdict_follows_what_the_picture_shows_of_the_legs(confidence, verdict):
+    # of a real fly 57 % of tips are right where nothing of a leg is seen, 85 % where hardly any is
+    track = uncertain_track(ANIMAL, walking_poses(ANIMAL, 60))
+    track.confidence[:] = confidence
+    quality = pawnb.assess_quality(tracks_from_poses(ANIMAL, track, fps=125, view="top"))
+    assert quality.verdict == verdict
+    assert quality.expected_right == pytest.approx(float(chances_of_tips(np.array(confidence))))
+
+
+def test_a_leg_that_is_hidden_for_long_is_told_in_the_verdict():
+    track = uncertain_track(ANIMAL, walking_poses(ANIMAL, 60))
+    track.confidence[:] = 1.0
+    track.confidence[:40, 2] = 0.0
+    quality = pawnb.assess_quality(tracks_from_poses(ANIMAL, track, fps=125, view="top"))
+    assert quality.poor_points == ("L3",)
+    assert "the tracker is not sure of L3 in 67 % of frames" in quality.line()
+    after = next_step(quality, "results", of_poses=True)
+    assert after == "review (pawnb.widgets.PoseReviewer), then pawnb gait results"
 
 
 def test_legs_that_cross(track):
