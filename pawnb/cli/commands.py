@@ -68,6 +68,7 @@ def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
 def run_track(options: argparse.Namespace, argv: list[str]) -> int:
     """Track a trial, write its results and say how good they are."""
     from pawnb.core.paws.tracker import DEFAULT
+    from pawnb.core.pose.as_tracks import is_pose
     from pawnb.trial import load_trial
     from pawnb.workflow.interrupt import interruptible
     from pawnb.workflow.provenance.results import results_folder
@@ -90,7 +91,7 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
         raise KeyboardInterrupt
     quality = assess_quality(tracks)
     said = f"tracked {tracks.sizes['time']} frames: {quality.line()}"
-    after = next_step(quality, out, of_poses=trial.kind == "pose")
+    after = next_step(quality, out, of_poses=is_pose(tracks))
     print(f"{said}; wrote {out}; next: {after}")
     return EXIT_FAILED if quality.verdict == "failed" else 0
 

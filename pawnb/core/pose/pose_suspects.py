@@ -44,8 +44,8 @@ _LEAST_SCORE = 0.5
 """Frames with less doubt than this are not listed."""
 _MOST_DOUBT = 3.0
 """What one reason adds at most, so that none drowns the others."""
-_SHOWN = (0.0, 0.02, 0.2, 0.6, 1.0)
-_RIGHT = (0.57, 0.85, 0.92, 0.96, 0.995)
+_AT_CONFIDENCE = (0.0, 0.02, 0.2, 0.6, 1.0)
+_TIPS_RIGHT = (0.57, 0.85, 0.92, 0.96, 0.995)
 """How often a tip is right, by the confidence of its leg: within 12 px of SLEAP's surer than 0.7 on
 a real fly (flies-topview, 2016 tips from four starts); of three rendered spiders, of which only 24
 of 1896 tips are below 0.8, all are right, as are the legs of spider-nephila (0.92 and more)."""
@@ -114,7 +114,7 @@ def chances_of_tips(confidence: FloatArray) -> FloatArray:
         0 to 1, of the same shape. A leg that the picture does not show is right now and then only:
         it follows its body and its own usual motion.
     """
-    return np.interp(np.nan_to_num(confidence), _SHOWN, _RIGHT)
+    return np.interp(np.nan_to_num(confidence), _AT_CONFIDENCE, _TIPS_RIGHT)
 
 
 def _in_words(doubts: list[_Doubt], t: int, leg: int) -> str:

@@ -12,10 +12,11 @@ import pandas as pd
 from pawnb.core.parameters import parameters_of, parameters_set
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
+from pawnb.core.pose.fit.explanation import explain_fit, fit_to_picture
 from pawnb.core.pose.pose_table import write_start
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.species_file import built_in_species, load_species
-from pawnb.core.pose.start_proposal.proposal import propose_pose
+from pawnb.core.pose.start_proposal.proposal import PoseProposal, propose_pose
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
@@ -191,7 +192,25 @@ def propose_pose_in_views(
     with given_or_bar(progress, "looking for the animal") as report, parameters_set(own):
         found = propose_pose(one, animal, background, progress=report, **about)
         parameters = parameters_of(["pose_proposal"])["pose_proposal"]
-    legs = sure_table("leg", found.sure)
+    legs = sure_table("leg", _as_tracking_sees(found, one, animal, background))
     # limbs that are in the background as well are not seen against it
     why = (background.doubt,) if background.doubt and not (legs["sure"] >= SURE_FROM).all() else ()
     return PoseStart(animal, found.pose, legs, (*found.notes, *why), parameters)
+
+
+def _as_tracking_sees(
+    found: PoseProposal, view: OneView, animal: StickAnimal, background: Background
+) -> dict[str, float]:
+    """Return how sure each leg is, and no surer than tracking from there would be of it.
+
+    The proposal asks whether a leg lies on a limb of the outline; tracking, once it has fitted the
+    pose, whether the picture is as dark along it as a leg should be. The edge of a wing is an
+    outline, and no leg.
+    """
+    frame = view.frame(int(found.pose.frames[0]))
+    try:
+        pose, _ = fit_to_picture(frame, found.pose, animal=animal, background=background)
+        seen = explain_fit(frame, pose, animal=animal, background=background).support
+    except InputError:  # it is told when tracking starts from it
+        return found.sure
+    return {leg: round(min(sure, max(seen[leg], 0.0)), 3) for leg, sure in found.sure.items()}

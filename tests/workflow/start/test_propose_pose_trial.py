@@ -13,7 +13,8 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
 from pawnb.workflow.calibration.scale import find_grid_scale
-from pawnb.workflow.start.propose_pose import PoseStart
+from pawnb.workflow.start.propose_pose import PoseStart, propose_pose_start
+from pawnb.workflow.start.sureness import SURE_FROM
 
 
 def silent(done, total):
@@ -113,3 +114,23 @@ def test_legs_that_are_not_found_for_want_of_an_empty_scene_are_said_to_be(real_
     found = pawnb.propose_start(tmp_path, progress=silent)
     assert (found.legs["sure"] >= 0.5).all()
     assert not any("background" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_a_leg_that_lies_on_the_edge_of_a_wing_is_not_sure(real_data, tmp_path):
+    folder = real_data("flies-topview") / "clip_inverted"
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "pose"\nname = "fly"\nfps = 25.0\n[animal]\nid = "f"\nspecies = "insect"\n'
+        f'[[views]]\nname = "top"\nvideo = "{folder}/frame*.png"\n'
+        f'background = "{folder}/background.png"\n'
+    )
+    start = propose_pose_start(tmp_path, progress=lambda *_: None)
+    tips = pd.read_csv(folder / "points.csv").set_index(["frame", "node"])
+    u, v = tips.loc[(start.frame, "hindlegL4"), ["x", "y"]]
+    animal, pose = start.animal, start.pose
+    tip = tip_positions(animal, pose)[0, animal.leg_names.index("L3")]
+    sure = start.legs.set_index("leg")["sure"]
+    # SLEAP, with a score of 0.89, has the tip of that leg elsewhere
+    assert np.hypot(*(tip - [u, v])) > 20.0
+    assert sure["L3"] < SURE_FROM
+    assert (sure.drop("L3") >= SURE_FROM).all()
