@@ -333,7 +333,8 @@ def _say_path(feet: FootPaths, chosen: BodyPath, others: FootPaths | None) -> li
     if chosen.source == "points" and others is not None:
         what = ", ".join(repr(name) for name in others.legs)
     return [
-        f"{feet.label}: the animal drifts on its treadmill; the feet are seen from {what} "
+        f"{feet.label}: the animal drifts in the picture, as on a treadmill or before a camera "
+        f"that follows it; the feet are seen from {what} "
         f"(low-pass {chosen.band:.2g} of the stride frequency), which makes "
         f"{chosen.regular:.0%} of the recording regular strides. Name points of the body, rear to "
         "front, in [animal] body to choose others."

@@ -79,7 +79,7 @@ def test_a_drifting_animal_keeps_its_strides(drift, points, belt_speed):
     assert (tables.strides["speed"] > 0).all()
     for name, atol in (("duty_factor", 0.01), ("frequency_hz", 0.1), ("contact_duty_factor", 0.03)):
         assert tables.strides[name].mean() == pytest.approx(clean.strides[name].mean(), abs=atol)
-    (said,) = [note for note in tables.notes if "drifts on its treadmill" in note]
+    (said,) = [note for note in tables.notes if "drifts in the picture, as on a treadmill" in note]
     assert ("'snout', 'tailbase'" in said) == bool(points)
     assert "corner" not in said
     assert "knee" not in said
