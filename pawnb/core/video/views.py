@@ -245,14 +245,14 @@ class ViewReader(Closing):
         return 1.0 if slower == 0 or 1 / _MOST_APART <= slower <= _MOST_APART else slower
 
     @property
-    def played_at(self) -> float:
+    def file_fps(self) -> float:
         """Frames per second by the file's time stamps; 0 where it has none."""
         if self.source.stamps_s is None or self.n_frames < 2:
             return 0.0
         return (self.n_frames - 1) / float(self.source.stamps_s[-1] - self.source.stamps_s[0])
 
     @property
-    def share_of_another_pace(self) -> float:
+    def share_of_odd_intervals(self) -> float:
         """Share of frames that last more than three times as long, or as short, as most do."""
         if self.source.stamps_s is None or self.n_frames < 2:
             return 0.0

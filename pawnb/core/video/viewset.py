@@ -17,7 +17,7 @@ from pawnb.core.video.views import Frame, ViewReader, no_such_frame
 from pawnb.errors import VideoError
 
 _MANY = 0.05
-"""Share of frames of another pace above which they are not frames that were dropped."""
+"""Share of odd intervals between frames above which these are not frames that were dropped."""
 
 _FASTER = 1.5
 """How many times as fast as it was filmed a film may be played before it is said."""
@@ -224,9 +224,9 @@ class ViewSet(Closing):
             notes.update(dict.fromkeys(reader.source.notes))
             if reader.is_variable_rate:
                 notes[f"{name}: the frame rate varies ({self._time_note(reader)}."] = None
-            elif reader.played_at > _FASTER * self._fps:
+            elif reader.file_fps > _FASTER * self._fps:
                 note = (
-                    f"{name}: the file says {reader.played_at:.4g} frames/s, but fps is "
+                    f"{name}: the file says {reader.file_fps:.4g} frames/s, but fps is "
                     f"{self._fps:.4g}: hardly a film is played faster than it was filmed. Mend fps "
                     "if it was not; the strides are too long else."
                 )
@@ -255,11 +255,11 @@ class ViewSet(Closing):
         rate = (reader.n_frames - 1) / float(reader.time_s[-1]) / slower
         rates = f"mean {rate:.4g} frames/s, fps is {self._fps:.4g})"
         if slower == 1.0:
-            return f"{rates}; the file's own time stamps are used{_pace_note(reader)}"
+            return f"{rates}; the file's own time stamps are used{_interval_note(reader)}"
         times = f"{slower:.3g} times slower" if slower > 1.0 else f"{1 / slower:.3g} times faster"
         return (
             f"{rates}: the film is taken to be played {times} than it was filmed, and only how "
-            f"uneven its time stamps are is used. If it is not, mend fps{_pace_note(reader)}"
+            f"uneven its time stamps are is used. If it is not, mend fps{_interval_note(reader)}"
         )
 
     def _length_notes(self, ends: Mapping[str, int]) -> list[str]:
@@ -290,9 +290,9 @@ class ViewSet(Closing):
             reader.close()
 
 
-def _pace_note(reader: ViewReader) -> str:
-    """Say where parts of a film are of another pace, which are no frames that were dropped."""
-    share = reader.share_of_another_pace
+def _interval_note(reader: ViewReader) -> str:
+    """Say where parts of a film have another frame rate, which are no frames that were dropped."""
+    share = reader.share_of_odd_intervals
     if share <= _MANY:
         return ""
     return (

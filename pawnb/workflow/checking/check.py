@@ -29,7 +29,7 @@ from pawnb.workflow.provenance.manifest import RUN_KINDS, find_fault, known_file
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
 from pawnb.workflow.tracking.methods import stage_parameters, tracker_settings
-from pawnb.workflow.tracking.out_of_step import doubt_steps
+from pawnb.workflow.tracking.unsynchronised import doubt_synchronisation
 
 
 def check_trial(trial: Trial | str | Path) -> CheckReport:
@@ -230,7 +230,7 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
         if not report.faults:
             first, stop = trial.frames or (0, views.n_frames)
             try:
-                report.doubts += doubt_steps(
+                report.doubts += doubt_synchronisation(
                     trial, views, start=first, stop=min(stop, views.n_frames)
                 )
             except PawnbError as error:

@@ -25,7 +25,6 @@ from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, sess
 from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
 from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
-from pawnb.workflow.tracking.out_of_step import doubt_steps, may_be_out_of_step
 from pawnb.workflow.tracking.placed import start_clicks
 from pawnb.workflow.tracking.point_tracker import point_trackers, tell_unused
 from pawnb.workflow.tracking.predicted import predictions_for
@@ -36,6 +35,7 @@ from pawnb.workflow.tracking.trial_views import (
     trial_rig,
 )
 from pawnb.workflow.tracking.unfinished import join_earlier, unfinished_tracks
+from pawnb.workflow.tracking.unsynchronised import doubt_synchronisation, may_be_unsynchronised
 
 _PUBLISHED_FRAMES = 2
 """Start clicks in two frames give a published method its first velocities."""
@@ -71,8 +71,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
-        if not asked.quick and may_be_out_of_step(trial, views):
-            for doubt in doubt_steps(trial, views, start=first, stop=last):
+        if not asked.quick and may_be_unsynchronised(trial, views):
+            for doubt in doubt_synchronisation(trial, views, start=first, stop=last):
                 warnings.warn(f"{doubt}.", InputWarning, stacklevel=2)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:

@@ -14,8 +14,8 @@ from pawnb.core.pose.poses import tip_positions
 BENCHMARKS = str(Path(__file__).parents[3] / "benchmarks")
 
 
-def _verdict(animal, track):
-    return pawnb.assess_quality(tracks_from_poses(animal, track, fps=25.0, view="top")).verdict
+def _quality(animal, track):
+    return pawnb.assess_quality(tracks_from_poses(animal, track, fps=25.0, view="top"))
 
 
 @pytest.mark.slow
@@ -29,7 +29,7 @@ def test_legs_of_a_hanging_spider_from_a_disturbed_start(real_data, monkeypatch)
     with real.opened(real.SPIDER, folder) as (reader, background):
         start = real.disturbed(drawn, 0)
         track = track_pose(reader, start, animal=animal, background=background, frames=(0, 601))
-    assert _verdict(animal, track) == "good"
+    assert _quality(animal, track).verdict == "good"
     # legs drawn by hand to 2 px; the aim is 6 px
     away = line_errors(animal, track.poses.at_frame(600), real.drawn_legs(folder))
     assert max(away.values()) < 6.0, away
@@ -82,5 +82,8 @@ def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch, seed):
     assert min(near["L1"], near["R1"], near["L2"], near["R2"]) > 0.7, near
     assert min(near["L3"], near["R3"]) > 0.5, near
     assert np.mean(away <= 12.0) >= 0.75, near
-    # fewer than 90 % are right, by SLEAP
-    assert _verdict(animal, track) == "look"
+    # by SLEAP where it is sure, 89 and 91 % are right
+    told = _quality(animal, track)
+    sure = tips["score"].to_numpy() > 0.7
+    assert told.verdict == "look"
+    assert abs(told.expected_right - np.mean(away[sure] <= 12.0)) < 0.05

@@ -7,7 +7,7 @@ import pytest
 from pawnb.core.video import open_views
 from pawnb.trial import load_trial
 from pawnb.workflow.checking.check import check_trial
-from pawnb.workflow.tracking.out_of_step import doubt_steps, may_be_out_of_step
+from pawnb.workflow.tracking.unsynchronised import doubt_synchronisation, may_be_unsynchronised
 
 N = 120
 
@@ -44,10 +44,10 @@ def test_an_offset_that_is_wrong_is_said_with_the_right_one(tmp_path, offset, la
 
 
 @pytest.mark.parametrize(("offset", "late", "points"), [(0, 0, "FR"), (2, 2, "FR"), (0, 2, "FL")])
-def test_films_in_step_or_of_other_legs_are_not_doubted(tmp_path, offset, late, points):
+def test_synchronised_films_or_of_other_legs_are_not_doubted(tmp_path, offset, late, points):
     trial = filmed(tmp_path, offset=offset, late=late, points=points)
     with open_views(trial) as views:
-        assert doubt_steps(trial, views, start=0, stop=views.n_frames) == []
+        assert doubt_synchronisation(trial, views, start=0, stop=views.n_frames) == []
 
 
 def test_tracking_looks_only_where_films_need_not_have_been_started_together(tmp_path):
@@ -55,8 +55,8 @@ def test_tracking_looks_only_where_films_need_not_have_been_started_together(tmp
         (tmp_path / name).mkdir()
         trial = filmed(tmp_path / name, offset=offset)
         with open_views(trial) as views:
-            assert may_be_out_of_step(trial, views) is expected
+            assert may_be_unsynchronised(trial, views) is expected
     film(tmp_path / "plain" / "top.avi", 0, n=N - 2)
     trial = load_trial(tmp_path / "plain")
     with open_views(trial) as views:
-        assert may_be_out_of_step(trial, views)
+        assert may_be_unsynchronised(trial, views)

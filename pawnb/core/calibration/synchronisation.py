@@ -1,4 +1,4 @@
-"""Whether the films of several views are in step: what moves in one moves in the others, too.
+"""Whether the films of several views are synchronised: what moves in one moves in the others, too.
 
 Tracks cannot tell: points in space are found by all views together and fit films that are a few
 frames apart as well as others, in another place.
@@ -29,31 +29,31 @@ _LEAST_GREY, _TIMES_MEDIAN = 6.0, 4.0
 """Change of grey that is no noise: so much, and so many times the median pixel of that frame."""
 _SLOW_FRAMES = 25
 """Frames over which slow changes are taken out."""
-_LEAST_LIKENESS, _LEAST_GAIN = 0.6, 0.15
-"""Correlation of films once moved, and how much higher than as they are. Measured: films in step
-(mouse-4cam-cage, fly_ball_left, the rendered mouse) have 0.6 to 0.9 where cameras see the same
-legs, 0.1 to 0.5 eight frames or less apart, and 0.2 lower at least beside the right frame."""
+_LEAST_CORRELATION, _LEAST_GAIN = 0.6, 0.15
+"""Correlation of films once moved, and how much higher than as they are. Set by hand: films that
+are synchronised (mouse-4cam-cage, five rendered mice in colour, grey and H.264) have 0.4 to 0.8
+where cameras see the same legs, the most of all lags; with 3 frames between them 0 or less."""
 
 
 @dataclass(frozen=True)
-class OutOfStep:
+class Unsynchronised:
     """Two views that are alike once one of them is moved in time.
 
     Parameters
     ----------
     view, other : str
-        The view that is out of step, and one that it was compared with.
-    late : int
+        The view that is not synchronised, and one that it was compared with.
+    lag_frames : int
         Frames by which what moves comes later in ``view``.
-    likeness, likeness_now : float
+    correlation, correlation_now : float
         Correlation of both once moved, and as they are.
     """
 
     view: str
     other: str
-    late: int
-    likeness: float
-    likeness_now: float
+    lag_frames: int
+    correlation: float
+    correlation_now: float
 
 
 def motion_of_views(views: ViewSet, start: int, stop: int) -> dict[str, FloatArray]:
@@ -88,9 +88,9 @@ def motion_of_views(views: ViewSet, start: int, stop: int) -> dict[str, FloatArr
     return {name: np.array(values) for name, values in found.items()}
 
 
-def find_out_of_step(
+def find_unsynchronised(
     motion: Mapping[str, FloatArray], *, pairs: Sequence[tuple[str, str]]
-) -> list[OutOfStep]:
+) -> list[Unsynchronised]:
     """Find views whose films are some frames apart from the others.
 
     Parameters
@@ -103,8 +103,8 @@ def find_out_of_step(
 
     Returns
     -------
-    list of OutOfStep
-        One for each view that is out of step; empty where films are in step, or it cannot be told.
+    list of Unsynchronised
+        One for each view that is not synchronised; empty where all are, or it cannot be told.
     """
     apart = [found for a, b in pairs if (found := _compared(motion, a, b)) is not None]
     said = []
@@ -113,29 +113,31 @@ def find_out_of_step(
         count = {v: sum(v in (p.view, p.other) for p in apart) for v in motion}
         worst = max(reversed(list(motion)), key=lambda v: count[v])
         own = [p for p in apart if worst in (p.view, p.other)]
-        best = max(own, key=lambda p: p.likeness)
+        best = max(own, key=lambda p: p.correlation)
         if best.view != worst:
-            best = OutOfStep(worst, best.view, -best.late, best.likeness, best.likeness_now)
+            best = Unsynchronised(
+                worst, best.view, -best.lag_frames, best.correlation, best.correlation_now
+            )
         said.append(best)
         apart = [p for p in apart if worst not in (p.view, p.other)]
     return said
 
 
-def _compared(motion: Mapping[str, FloatArray], other: str, view: str) -> OutOfStep | None:
-    """Compare two views; None where they are in step or it cannot be told."""
+def _compared(motion: Mapping[str, FloatArray], other: str, view: str) -> Unsynchronised | None:
+    """Compare two views; None where they are synchronised or it cannot be told."""
     a, b = _fast_part(motion[other]), _fast_part(motion[view])
     if len(a) < _FEWEST_COMPARED:
         return None
     lags = range(-_MOST_FRAMES_APART, _MOST_FRAMES_APART + 1)
-    likeness = {k: _likeness(a, b, k) for k in lags}
-    late = max(likeness, key=lambda k: likeness[k])
-    if likeness[late] < max(_LEAST_LIKENESS, likeness[0] + _LEAST_GAIN):
+    correlation = {k: _correlation(a, b, k) for k in lags}
+    lag = max(correlation, key=lambda k: correlation[k])
+    if correlation[lag] < max(_LEAST_CORRELATION, correlation[0] + _LEAST_GAIN):
         return None
     half = len(a) // 2
     for part in (slice(None, half), slice(half, None)):
-        if _likeness(a[part], b[part], late) <= _likeness(a[part], b[part], 0):
+        if _correlation(a[part], b[part], lag) <= _correlation(a[part], b[part], 0):
             return None
-    return OutOfStep(view, other, late, likeness[late], likeness[0])
+    return Unsynchronised(view, other, lag, correlation[lag], correlation[0])
 
 
 def _factor(width_px: int) -> int:
@@ -158,9 +160,9 @@ def _fast_part(motion: FloatArray) -> FloatArray:
     return np.asarray(root - slow)
 
 
-def _likeness(a: FloatArray, b: FloatArray, late: int) -> float:
+def _correlation(a: FloatArray, b: FloatArray, lag: int) -> float:
     """Return the correlation of a at a frame with b so many frames later; 0 where one is still."""
-    n = len(a) - abs(late)
-    x, y = a[max(0, -late) :][:n], b[max(0, late) :][:n]
+    n = len(a) - abs(lag)
+    x, y = a[max(0, -lag) :][:n], b[max(0, lag) :][:n]
     spread = float(x.std() * y.std())
     return float(((x - x.mean()) * (y - y.mean())).mean()) / spread if spread > 0 else 0.0

@@ -1,15 +1,15 @@
-"""What is said of films of several views that are not in step."""
+"""What is said of films of several views that are not synchronised."""
 
 from __future__ import annotations
 
 from itertools import combinations
 
-from pawnb.core.calibration.in_step import find_out_of_step, motion_of_views
+from pawnb.core.calibration.synchronisation import find_unsynchronised, motion_of_views
 from pawnb.core.video import ViewSet
 from pawnb.trial import Trial
 
 
-def doubt_steps(trial: Trial, views: ViewSet, *, start: int, stop: int) -> list[str]:
+def doubt_synchronisation(trial: Trial, views: ViewSet, *, start: int, stop: int) -> list[str]:
     """Say which views move some frames before or after the others.
 
     Parameters
@@ -35,20 +35,21 @@ def doubt_steps(trial: Trial, views: ViewSet, *, start: int, stop: int) -> list[
         return []
     said = []
     wrong = "" if trial.calibration is None else ", and places in space will be wrong"
-    for one in find_out_of_step(motion_of_views(views, start, stop), pairs=pairs):
+    for one in find_unsynchronised(motion_of_views(views, start, stop), pairs=pairs):
         offset = trial.view(one.view).offset
-        n = f"{abs(one.late)} frame{'s' if abs(one.late) > 1 else ''}"
+        n = f"{abs(one.lag_frames)} frame{'s' if abs(one.lag_frames) > 1 else ''}"
+        when = "later" if one.lag_frames > 0 else "earlier"
         said.append(
-            f"what moves in view {one.view} moves {n} {'later' if one.late > 0 else 'earlier'} "
-            f"than in view {one.other} (likeness {one.likeness:.2f} once moved, "
-            f"{one.likeness_now:.2f} as it is): the films seem not to be in step{wrong}; "
-            f"compare a touch-down in both, and set offset = {offset + one.late} of view "
+            f"what moves in view {one.view} moves {n} {when} "
+            f"than in view {one.other} (correlation {one.correlation:.2f} once moved, "
+            f"{one.correlation_now:.2f} as it is): the films seem not to be synchronised{wrong}; "
+            f"compare a touch-down in both, and set offset = {offset + one.lag_frames} of view "
             f"{one.view} (now {offset}) if it fits"
         )
     return said
 
 
-def may_be_out_of_step(trial: Trial, views: ViewSet) -> bool:
+def may_be_unsynchronised(trial: Trial, views: ViewSet) -> bool:
     """Tell whether films need not have been started together, by what is known without a look.
 
     Cameras that are triggered together give films of one length, and no offset is stated. Looking

@@ -1,11 +1,11 @@
-"""Films that are a few frames apart, and films that are in step: movement made by formula."""
+"""Films that are a few frames apart, and films that are synchronised: movement made by formula."""
 
 from itertools import combinations
 
 import numpy as np
 import pytest
 
-from pawnb.core.calibration.in_step import find_out_of_step
+from pawnb.core.calibration.synchronisation import find_unsynchronised
 
 NAMES = ("a", "b", "c")
 
@@ -21,26 +21,26 @@ def motion(*late, n=160, seed=0):
     }
 
 
-def out_of_step(seen):
+def unsynchronised(seen):
     """Compare all views that are seen."""
-    return find_out_of_step(seen, pairs=list(combinations(seen, 2)))
+    return find_unsynchronised(seen, pairs=list(combinations(seen, 2)))
 
 
 @pytest.mark.parametrize("k", [-5, -1, 1, 2, 3])
 def test_the_film_that_is_late_is_named_and_by_how_many_frames(k):
-    (found,) = out_of_step(motion(0, k, 0))
-    assert (found.view, found.late) == ("b", k)
-    (found,) = out_of_step(motion(k, 0, 0))
-    assert (found.view, found.late) == ("a", k)
-    (found,) = out_of_step(motion(0, k))
-    assert (found.view, found.other, found.late) == ("b", "a", k)
+    (found,) = unsynchronised(motion(0, k, 0))
+    assert (found.view, found.lag_frames) == ("b", k)
+    (found,) = unsynchronised(motion(k, 0, 0))
+    assert (found.view, found.lag_frames) == ("a", k)
+    (found,) = unsynchronised(motion(0, k))
+    assert (found.view, found.other, found.lag_frames) == ("b", "a", k)
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_films_in_step_and_what_cannot_be_told_are_not_doubted(seed):
-    assert out_of_step(motion(0, 0, 0, seed=seed)) == []
+def test_synchronised_films_and_what_cannot_be_told_are_not_doubted(seed):
+    assert unsynchronised(motion(0, 0, 0, seed=seed)) == []
     alone = {**motion(0, seed=seed), "b": motion(0, seed=seed + 100)["a"]}  # other legs
-    assert out_of_step(alone) == []
-    assert out_of_step(motion(0, 2, n=50, seed=seed)) == []  # too short
+    assert unsynchronised(alone) == []
+    assert unsynchronised(motion(0, 2, n=50, seed=seed)) == []  # too short
     still = {**motion(0, seed=seed), "b": np.zeros(160)}
-    assert out_of_step(still) == []
+    assert unsynchronised(still) == []
