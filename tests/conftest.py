@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 from pathlib import Path
@@ -24,6 +25,17 @@ ROOT = Path(__file__).resolve().parents[1]
 def pytest_collection_modifyitems(items):
     """Let notebooks go first: each takes minutes, and at the end one worker would wait for it."""
     items.sort(key=lambda item: "notebooks" not in item.path.parts)
+
+
+def pytest_collection_finish():
+    """Spare the garbage collector the millions of objects that stay until the end.
+
+    Modules and collected tests are never garbage; to go through them again and again, as is done
+    by default, takes a sixth of the time of the fast suite.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 @pytest.fixture(scope="session")

@@ -117,7 +117,7 @@ def test_names_are_as_sure_as_gains_tell_them_apart(more):
 
     That is the Gumbel-max trick: Papandreou & Yuille 2011, section 2.
     """
-    parameters = IdentityParameters(samples=2000)
+    parameters = IdentityParameters(samples=1000)
     graph = graph_of([tracklet(0, N - 1, (10, 10), (1, 0))], {}, parameters)
     gains = np.array([[100.0 + more, 100.0]])
     names = graph.decide(gains)
