@@ -22,7 +22,14 @@ from pawnb.widgets.track_reviewer import TrackReviewer
 from pawnb.widgets.tracks_form import TracksForm, review_of_trial
 from pawnb.widgets.trial_form import TrialForm
 from pawnb.widgets.workbench_offers import Offers
-from pawnb.widgets.workbench_parts import ROW, Tool, cell, show_results, step_menu
+from pawnb.widgets.workbench_parts import (
+    ROW,
+    Tool,
+    cell,
+    show_results,
+    step_menu,
+    video_choice,
+)
 from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.workbench.states import DONE, WORK_STEPS, Step, TrialState
@@ -179,11 +186,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         head: list[Any] = [self._cell(f"{session.folder.resolve().name}: {said}", strong=True)]
         videos = session.videos()
         if videos:
-            self._videos = widgets.SelectMultiple(
-                options=[(video.name, str(video)) for video in videos],
-                value=[str(video) for video in videos[:8]],
-                rows=min(4, len(videos)), layout={"width": "18em"},
-            )  # fmt: skip
+            self._videos = video_choice(videos)
             text, act = "New trial of these videos", lambda: self.make_trial(self._videos.value)
             head += [self._videos, self._button(text, act)]
         if tracks := session.track_files():
@@ -264,14 +267,15 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             return review_of_trial(state, button=self._button, then=then, room=self._room)
         trial = described(state)
         reviewer = PoseReviewer if trial.is_jointed else TrackReviewer
-        tool = reviewer(trial, self.session.tracks(state), max_height=self._room)
+        tracks, doubts = self.session.tracks_and_doubts(state)
+        tool = reviewer(trial, tracks, max_height=self._room)
         self.session.has_looked(state)
         go_on = self._button("Save, and analyse the gait", lambda: self._reviewed(state), main=True)
         offers = Offers(
             self.session, state, tool, button=self._button, chosen=lambda: self._tell(""),
             use_frames=self._use_frames, click_also=self._click_also,
         )  # fmt: skip
-        return self._follow(state, Tool(tool, [go_on, offers]))
+        return self._follow(state, Tool(tool, [go_on, offers], doubts))
 
     def _use_frames(self, state: TrialState, frames: tuple[int, int]) -> None:
         """Track a part of the recording only."""

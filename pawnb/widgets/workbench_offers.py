@@ -60,10 +60,7 @@ class Offers(widgets.HBox):  # type: ignore[misc]
         if (again := self._tracked_again()) == self._again:
             return
         self._again = again
-        try:
-            self.children = self._buttons()
-        except (PawnbError, OSError):  # clicks that cannot be read any more, for instance
-            self.children = ()
+        self.children = self._buttons()
         self._chosen()
 
     def _tracked_again(self) -> list[Retrack]:
@@ -72,6 +69,13 @@ class Offers(widgets.HBox):  # type: ignore[misc]
 
     def _buttons(self) -> tuple[Any, ...]:
         """Return the buttons for the tracks as they are now."""
+        try:
+            return self._offered()
+        except (PawnbError, OSError):  # the clicks are not there any more, for instance
+            return ()
+
+    def _offered(self) -> tuple[Any, ...]:
+        """Return a button for each thing that would make the tracks better."""
         tracks, state, buttons = self._reviewer.tracks, self._state, []
         if (part := self._session.frames_to_use(state, tracks)) is not None:
             text = f"Animal is in view in frames {part[0]} to {part[1] - 1} only: track these"

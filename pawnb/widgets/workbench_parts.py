@@ -23,12 +23,14 @@ class Tool(widgets.VBox):  # type: ignore[misc]
         The tool.
     buttons : sequence of widget
         The buttons.
+    notes : sequence of str
+        What whoever uses the tool must know, a line each between both.
     """
 
-    def __init__(self, tool: Any, buttons: Sequence[Any]) -> None:
+    def __init__(self, tool: Any, buttons: Sequence[Any], notes: Sequence[str] = ()) -> None:
         self.tool = tool
         rows = [widgets.HBox(list(buttons), layout=ROW)] if buttons else []
-        super().__init__([*rows, tool])
+        super().__init__([*rows, *(cell(f"⚠ {note}", None, wrap=True) for note in notes), tool])
 
     def follow(self, marks: Callable[[], object], changed: Callable[[], None]) -> Tool:
         """Call ``changed()`` when ``marks()`` is another after the tool has said something.
@@ -114,6 +116,26 @@ def step_menu(steps: Sequence[Step], do: Callable[[Step], object]) -> Any:
 
     menu.observe(chosen, names="value")
     return menu
+
+
+def video_choice(videos: Sequence[Path]) -> Any:
+    """Return a list of videos of which several can be chosen; the first eight are.
+
+    Parameters
+    ----------
+    videos : sequence of Path
+        The videos.
+
+    Returns
+    -------
+    widget
+        The list.
+    """
+    return widgets.SelectMultiple(
+        options=[(video.name, str(video)) for video in videos],
+        value=[str(video) for video in videos[:8]],
+        rows=min(4, len(videos)), layout={"width": "18em"},
+    )  # fmt: skip
 
 
 def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:

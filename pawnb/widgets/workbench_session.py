@@ -21,11 +21,13 @@ from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.gait.sources import recording_name
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.mended_trial import as_described_now
+from pawnb.workflow.provenance.notes import noted_warnings
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
     note_failure,
     read_result_tracks,
     results_folder,
+    tracking_notes,
 )
 from pawnb.workflow.reviewing.foreign import CORRECTED
 from pawnb.workflow.reviewing.quality import assess_quality
@@ -260,6 +262,25 @@ class WorkbenchSession:
         if trial.is_tracked_elsewhere:
             return read_foreign_tracks(trial)
         return as_described_now(read_result_tracks(results_folder(trial) / "tracks.nc"), trial)
+
+    def tracks_and_doubts(self, state: TrialState) -> tuple[Tracks, list[str]]:
+        """Return the tracks of a trial, and what was warned of.
+
+        Parameters
+        ----------
+        state : TrialState
+            The trial.
+
+        Returns
+        -------
+        tracks : xarray.Dataset
+            Its tracks.
+        doubts : list of str
+            What the trial says otherwise now, then what tracking has warned of.
+        """
+        with noted_warnings() as since:
+            tracks = self.tracks(state)
+        return tracks, [*since, *(note.what for note in tracking_notes(tracks))]
 
     def gait_tables(self, state: TrialState) -> GaitTables:
         """Return the analysis of a trial, to look through its strides."""

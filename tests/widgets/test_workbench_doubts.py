@@ -1,0 +1,38 @@
+"""What was warned of is said on the page: nobody looks into the log of JupyterLab."""
+
+import pytest
+import small_trial as scene
+
+import pawnb
+from pawnb.schema import add_provenance
+from pawnb.workflow.provenance.results import describe_trial, write_track_results
+
+NOTE = "what moves in view cam2 moves 5 frames earlier than in view cam1."
+
+
+@pytest.fixture
+def tracked(tmp_path):
+    """A trial that is tracked; the run warned that its films are not synchronised."""
+    folder = scene.write_trial(tmp_path / "m1").parent
+    tracks = describe_trial(scene.true_tracks(), pawnb.load_trial(folder))
+    tracks = add_provenance(tracks, step="track", complete=True, notes=[NOTE], inputs={})
+    write_track_results(tracks, folder / "results")
+    return folder
+
+
+def review_notes(bench, folder):
+    bench.do("review", folder)
+    bench.tool.tool._analysts.submit(int).result()  # its filters of warnings end with this test
+    return [part.value for part in bench.tool.children if type(part).__name__ == "Label"]
+
+
+def test_what_tracking_warned_of_stands_above_the_review(tracked, opened):
+    assert review_notes(opened(tracked), tracked) == [f"\u26a0 {NOTE}"]
+
+
+@pytest.mark.filterwarnings("default::pawnb.errors.InputWarning")
+def test_what_was_changed_since_tracking_stands_above_the_review(tracked, opened):
+    file = tracked / "trial.toml"
+    file.write_text(file.read_text().replace('"cam2.avi"\n', '"cam2.avi"\noffset = 3\n'))
+    first, _ = review_notes(opened(tracked), tracked)
+    assert "offset of cam2 was changed from 0 to 3" in first
