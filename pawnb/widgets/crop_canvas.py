@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import Any
 
 from pawnb.widgets.frame_canvas import NO_PLACING, FrameCanvas, Overlay
@@ -94,6 +95,11 @@ class CropCanvas(FrameCanvas):
             if self._changed is not None:
                 self._changed()
         return None
+
+    def film_lengths(self) -> dict[Path, int]:
+        """Return how many frames the file of each film has."""
+        readers = self._own_views.readers.values()
+        return {v.video: r.n_frames for v, r in zip(self._made.views, readers, strict=True)}
 
     def close(self) -> None:
         """Take the widget away and close the videos."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,11 @@ import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.crop_canvas import CropCanvas
+from pawnb.widgets.flash_field import FlashField
 from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
 from pawnb.workflow.workbench.animals import ANIMALS, OTHER_ANIMAL, choose_animal
+from pawnb.workflow.workbench.film_alignment import tell_alignment
 from pawnb.workflow.workbench.new_trial import (
     NewTrial,
     NewView,
@@ -63,8 +66,9 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         super().__init__()
         self.made: NewTrial = new_trial(videos, folder)
         self._done = done
-        self._told = widgets.Label()
-        self._told.add_class("pawnb-wrap")
+        self._told, self._aligned = widgets.Label(), widgets.Label()
+        for label in (self._told, self._aligned):
+            label.add_class("pawnb-wrap")
         self._canvas: CropCanvas | None = None
         self._draft: FormDraft | None = None
         self._rows: list[_ViewRow] = []
@@ -78,8 +82,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         fields = [self.name, self.animal_id, self.animal, self.points, self.fps, self.unit,
                   self.dlt, self.px_per_unit, self.belt]  # fmt: skip
         self.children = (
-            widgets.HBox(fields, layout=_TRIAL_ROW), self._pictures, self._of_frames(),
-            self._of_views,
+            widgets.HBox(fields, layout=_TRIAL_ROW), self._pictures, self._aligned,
+            self._of_frames(), self._of_views,
             widgets.HBox([self._make, self._told], layout=_TRIAL_ROW),
         )  # fmt: skip
         self._draft = FormDraft(
@@ -170,7 +174,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         self._keep()
         return [
             {"video": str(view.video), "name": view.name, "mirror": view.mirror,
-             "points": list(view.points), "crop": None if view.crop is None else list(view.crop)}
+             "points": list(view.points), "event": view.event,
+             "crop": None if view.crop is None else list(view.crop)}
             for view in self.made.views
         ]  # fmt: skip
 
@@ -187,17 +192,49 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
         """Show the pictures, one row a view, and the calibration that so many views need."""
         made = self.made
         several = len(made.views) > 1
-        shown = None if self._canvas is None else self._canvas.frame
-        canvas = CropCanvas(made, changed=self._on_change, frame=shown, max_height=420)
-        if self._canvas is not None:
-            self._canvas.close()
-        self._canvas = canvas
+        self._show_pictures(None if self._canvas is None else self._canvas.frame)
         self._rows = [_ViewRow(self, view, several=several) for view in made.views]
-        self._pictures.children = [canvas]
         self._of_views.children = [row.box for row in self._rows]
         _set_shown(self.dlt, several)
         _set_shown(self.px_per_unit, not several)
         self._on_change()  # a view may have come or gone
+
+    def _show_pictures(self, frame: int | None) -> None:
+        """Show the pictures, aligned as far as that is known, at a frame."""
+        made = self.made
+        canvas = CropCanvas(made, changed=self._on_change, frame=frame, max_height=420)
+        if self._canvas is not None:
+            self._canvas.close()
+        self._canvas, self._shown_offsets = canvas, made.offsets_so_far
+        self._film_lengths = canvas.film_lengths()
+        self._pictures.children = [canvas]
+        names = {film: view.name for film, view in made.films.items()}
+        self._aligned.value = tell_alignment(
+            {names[film]: offset for film, offset in self._shown_offsets.items()},
+            {names[film]: n for film, n in self._film_lengths.items()},
+        )
+
+    def _frame_of_film(self, view: NewView) -> int:
+        """Return which frame of its file a view shows."""
+        shown = 0 if self._canvas is None else self._canvas.frame
+        return shown + self._shown_offsets[view.video]
+
+    def _align(self) -> None:
+        """Show the pictures aligned once the flash is marked in every film."""
+        try:
+            for row in self._rows:
+                row.take()
+            offsets = self.made.offsets
+            if offsets != self._shown_offsets:
+                events = [v.event for v in self.made.films.values() if v.event is not None]
+                self._show_pictures(min(events, default=None))
+                # frames that were named before are counted otherwise now
+                self.first.value = self.last.value = ""
+        except InputError as error:
+            self._tell(str(error), wrong=True)
+        else:
+            self._tell("")
+        self._on_change()
 
     def _take(self) -> None:
         """Take over what the fields say; raises InputError for what makes no sense."""
@@ -220,7 +257,8 @@ class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
     def _keep(self) -> None:
         """Take over what the rows say, as far as it makes sense, before they are made anew."""
         for row in self._rows:
-            row.take()
+            with suppress(InputError):
+                row.take()
 
     def _add(self, view: NewView) -> None:
         """Add another view of the same video."""
@@ -253,7 +291,7 @@ class _ViewRow:
     """What is asked for of one view."""
 
     def __init__(self, form: TrialForm, view: NewView, *, several: bool) -> None:
-        self._view = view
+        self._form, self._view = form, view
         self.name = widgets.Text(value=view.name, description="view", layout={"width": "16em"})
         self.mirror = widgets.Checkbox(
             value=view.mirror, description="seen in a mirror", indent=False,
@@ -276,6 +314,14 @@ class _ViewRow:
             gone = widgets.Button(description="Leave out", layout={"width": "8em"})
             gone.on_click(lambda _: form._remove(view))
             row.append(gone)
+        self._flash: FlashField | None = None
+        films = form.made.films
+        if len(films) > 1 and films[view.video] is view:
+            self._flash = FlashField(
+                view.event, film=view.name, n_frames=form._film_lengths[view.video],
+                here=lambda: form._frame_of_film(view), changed=form._align,
+            )  # fmt: skip
+            row.insert(2, self._flash)
         self.box = widgets.HBox(row, layout=_TRIAL_ROW)
 
     def take(self) -> None:
@@ -283,6 +329,11 @@ class _ViewRow:
         self._view.name = self.name.value.strip()
         self._view.mirror = bool(self.mirror.value)
         self._view.points = _names(self.points.value)
+        if self._flash is not None:
+            event = self._flash.frame()
+            for view in self._form.made.views:  # a mirror's film is the same
+                if view.video == self._view.video:
+                    view.event = event
 
 
 def _set_shown(field: widgets.Widget, shown: bool) -> None:
@@ -296,7 +347,8 @@ def _views_of(kept: Any, given: list[NewView]) -> list[NewView]:
         views = [
             NewView(Path(one["video"]), str(one["name"]), mirror=bool(one["mirror"]),
                     points=tuple(map(str, one["points"])),
-                    crop=None if one["crop"] is None else _box(one["crop"]))
+                    crop=None if one["crop"] is None else _box(one["crop"]),
+                    event=None if one.get("event") is None else int(one["event"]))
             for one in kept
         ]  # fmt: skip
     except (TypeError, KeyError, ValueError):

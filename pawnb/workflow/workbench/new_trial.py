@@ -23,6 +23,7 @@ from pawnb.trial import (
 )
 from pawnb.workflow.tracking.trial_views import trial_rig
 from pawnb.workflow.workbench.animals import ANIMALS, AnimalChoice
+from pawnb.workflow.workbench.film_alignment import offsets_by_event
 
 _TRIAL_HEAD = (
     "# One recording of one animal. What each line means: docs/guide/trial.md of pawnb.\n"
@@ -46,6 +47,9 @@ class NewView:
         Whether the picture is flipped left to right.
     points : tuple of str
         The points seen in it; empty means every point.
+    event : int, optional
+        Frame of its file that first shows a flash, or another event that every film shows, where
+        these were not started together.
     """
 
     video: Path
@@ -53,6 +57,7 @@ class NewView:
     crop: tuple[int, int, int, int] | None = None
     mirror: bool = False
     points: tuple[str, ...] = ()
+    event: int | None = None
 
 
 @dataclass
@@ -111,6 +116,29 @@ class NewTrial:
         """The points to track: those of the animal, or those that were named."""
         return self.animal.points or self.points
 
+    @property
+    def films(self) -> dict[Path, NewView]:
+        """The first view of each film."""
+        found: dict[Path, NewView] = {}
+        for view in self.views:
+            found.setdefault(view.video, view)
+        return found
+
+    @property
+    def offsets(self) -> dict[Path, int]:
+        """Frame of each film that belongs to frame 0; raises InputError as offsets_by_event."""
+        films = self.films
+        names, events = [v.name for v in films.values()], [v.event for v in films.values()]
+        return dict(zip(films, offsets_by_event(names, events), strict=True))
+
+    @property
+    def offsets_so_far(self) -> dict[Path, int]:
+        """The same; as if all began together until the event is marked in every film."""
+        try:
+            return self.offsets
+        except InputError:
+            return dict.fromkeys(self.films, 0)
+
     def check_free(self) -> None:
         """Raise InputError where there is a trial already: it is never written over."""
         if self.path.exists():
@@ -144,13 +172,13 @@ class NewTrial:
         if self.dlt is not None or self.px_per_unit is not None:
             dlt = None if self.dlt is None else self._relative(self.dlt)
             calibration = Calibration(dlt=dlt, px_per_unit=self.px_per_unit, unit=self.unit)
-        name = self.name or self.folder.resolve().name
+        name, offsets = self.name or self.folder.resolve().name, self.offsets
         return Trial(
             kind=self.animal.kind,
             name=name,
             fps=float(self.fps),
             animal=Animal(id=self.animal_id or name, species=self.animal.species),
-            views=tuple(self._view(view) for view in self.views),
+            views=tuple(self._view(view, offsets[view.video]) for view in self.views),
             calibration=calibration,
             belt_speed=self.belt_speed,
             frames=self.frames,
@@ -192,8 +220,12 @@ class NewTrial:
         return self._sizes[view.video]
 
     def open_whole(self) -> ViewSet:
-        """Return the videos without crop and mirror, one view each, open."""
-        whole = [View(name=view.name, video=self._relative(view.video)) for view in self.views]
+        """Return the videos without crop and mirror, aligned, one view each, open."""
+        offsets = self.offsets_so_far
+        whole = [
+            View(name=v.name, video=self._relative(v.video), offset=offsets[v.video])
+            for v in self.views
+        ]
         return open_views(
             Trial(
                 kind="paws", name="new", fps=self.fps or 1.0, animal=Animal(id="new"),
@@ -201,7 +233,7 @@ class NewTrial:
             )
         )  # fmt: skip
 
-    def _view(self, view: NewView) -> View:
+    def _view(self, view: NewView, offset: int) -> View:
         """Return a view as a trial says it."""
         points = view.points or (self.points_in_force if self.animal.has_points else ())
         odd = [point for point in points if point not in self.points_in_force]
@@ -212,7 +244,7 @@ class NewTrial:
             )
         return View(
             name=view.name, video=self._relative(view.video), crop=view.crop, mirror=view.mirror,
-            points=points,
+            offset=offset, points=points,
         )  # fmt: skip
 
     def _relative(self, path: Path) -> str:
