@@ -10,7 +10,12 @@ from typing import Any
 
 
 def with_field(
-    text: str, section: str, name: str, *, value: str | float | Sequence[int] | None
+    text: str,
+    section: str,
+    name: str,
+    *,
+    value: str | float | Sequence[int] | None,
+    item: int | None = None,
 ) -> str:
     """Return the text of a trial with another field in a section.
 
@@ -27,6 +32,8 @@ def with_field(
         The field.
     value : str, float, sequence of int or None
         What it is to be; None takes it out.
+    item : int, optional
+        Of a section that is there several times, as ``[[views]]``, which one; the first is 0.
 
     Returns
     -------
@@ -34,9 +41,13 @@ def with_field(
         The text, with the section at its end where it had none.
     """
     line = "" if value is None else f"{name} = {json.dumps(value, ensure_ascii=False)}\n"
-    found = re.search(rf"^\[{re.escape(section)}\][^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE)
-    if found is None:
+    head = re.escape(f"[{section}]" if item is None else f"[[{section}]]")
+    sections = list(re.finditer(rf"^{head}[^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE))
+    if item is not None and item >= len(sections):
+        return text
+    if not sections:
         return f"{text.rstrip()}\n\n[{section}]\n{line}" if line else text
+    found = sections[item or 0]
     body = found.group(1)
     changed, count = re.subn(
         rf"^{name}[ \t]*=[^\n]*?([ \t]*#[^\n]*)?(\n|\Z)",

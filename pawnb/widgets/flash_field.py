@@ -65,4 +65,3 @@ class FlashField(widgets.HBox):  # type: ignore[misc]
     def _take(self, here: Callable[[], int]) -> None:
         """Take the frame that is shown."""
         self.field.value = str(here())
-

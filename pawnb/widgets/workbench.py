@@ -10,6 +10,7 @@ from typing import Any
 import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
+from pawnb.widgets.alignment_form import AlignmentForm
 from pawnb.widgets.background_work import BackgroundWork
 from pawnb.widgets.calibration_form import CalibrationForm
 from pawnb.widgets.click_initialiser import ClickInitialiser
@@ -26,6 +27,7 @@ from pawnb.widgets.workbench_parts import (
     ROW,
     Tool,
     cell,
+    show_findings,
     show_results,
     step_menu,
     video_choice,
@@ -117,7 +119,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         Parameters
         ----------
         step : str
-            mend, calibrate, start, track, review, gait or look.
+            mend, calibrate, align, start, track, review, gait or look.
         folder : str or Path
             The folder of the trial.
         """
@@ -128,8 +130,9 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             self._begin(WORK_STEPS[step], lambda: work(state))
             return
         make: dict[str, Callable[[], Any]] = {
-            "mend": lambda: self._findings(state),
-            "calibrate": lambda: self._calibrate(state),
+            "mend": lambda: show_findings(self.session.wrong(state)),
+            "calibrate": lambda: self._describe(CalibrationForm, state),
+            "align": lambda: self._describe(AlignmentForm, state),
             "start": lambda: self._start(state),
             "review": lambda: self._review(state),
             "look": lambda: self._results(state),
@@ -145,7 +148,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
              WORK_STEPS[self.session.next_step(state)]]
             for state in self.session.states[self._first : self._first + _PAGE]
         ]  # fmt: skip
-        title = f"{self.session.folder.resolve().name}: {len(self.session.states)} trials"
+        title = self.session.folder.resolve().name
         return picture_of_table(["trial", *DONE, "next"], rows, title)
 
     def close(self) -> None:
@@ -243,15 +246,15 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
 
         return tool.follow(partial(self.session.marks, state), changed)
 
-    def _calibrate(self, state: TrialState) -> Any:
-        """Return the form that calibrates the views."""
+    def _describe(self, form: type[CalibrationForm | AlignmentForm], state: TrialState) -> Any:
+        """Return a form that says more of a trial; its clicks come next."""
 
-        def done() -> None:
+        def done(said: str = "calibrated.") -> None:
             self.look_again()
             self.do("start", state.folder)
-            self._tell(f"{state.name}: calibrated.")
+            self._tell(f"{state.name}: {said}")
 
-        return Tool(CalibrationForm(described(state), done=done, max_height=self._room), [])
+        return Tool(form(described(state), done=done, max_height=self._room), [])
 
     def _track_started(self, state: TrialState) -> None:
         """Track the trial that was just started."""
@@ -317,11 +320,6 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         path = results_folder(described(state)) / "event_edits.jsonl"
         again = self._button("Analyse the gait again", lambda: self.do("gait", state.folder))
         self._open(lambda: Tool(GaitExplorer(self.session.gait_tables(state), path), [again]))
-
-    def _findings(self, state: TrialState) -> Any:
-        """Return what is to be mended or looks wrong, a line each."""
-        found = self.session.wrong(state) or ["nothing looks wrong"]
-        return Tool(widgets.VBox([self._cell(text, wrap=True) for text in found]), [])
 
     def _made(self, path: Path) -> None:
         """Go on to the start of a trial that was just made."""
@@ -393,8 +391,6 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     def _room(self) -> int:
         """Height for pictures, CSS px, that leaves room for what is around them."""
         return min(max(_LEAST_BENCH_PX, (self._around.height or 900) - _AROUND_PX), 720)
-
-    # --- small things ---------------------------------------------------------------------------
 
     def _guard(self, act: Callable[[], object]) -> None:
         """Do something; say what is wrong where it cannot be done."""

@@ -138,6 +138,12 @@ def video_choice(videos: Sequence[Path]) -> Any:
     )  # fmt: skip
 
 
+def show_findings(found: Sequence[str]) -> Tool:
+    """Return what is to be mended or looks wrong, a line each."""
+    lines = found or ["nothing looks wrong"]
+    return Tool(widgets.VBox([cell(text, None, wrap=True) for text in lines]), [])
+
+
 def show_results(figures: Sequence[Path], notes: Sequence[str]) -> Any:
     """Return figures to look through, one at a time, with what a reader must know of them.
 

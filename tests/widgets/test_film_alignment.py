@@ -102,3 +102,60 @@ def test_two_views_of_one_film_are_marked_once(form):
     mark = form._rows[1]._flash.field
     mark.value = "4"
     assert [view.event for view in form.made.views] == [None, 4, 4, None]
+
+
+@pytest.fixture
+def described(form, tmp_path):
+    """A trial of the films, taken to have been started together, and clicked."""
+    form.first.value, form.last.value = "0", "34"
+    assert form.write() is not None
+    (tmp_path / "start.csv").write_text("frame,view,point,u,v\n0,cam1,FR,110,270\n")
+    return tmp_path
+
+
+def test_the_films_of_a_trial_are_aligned_and_clicked_again(described, opened):
+    before = (described / "trial.toml").read_text()
+    bench = opened(described)
+    assert "align" in bench.session.states[0].steps
+    bench.do("align", described)
+    form = bench.tool.tool
+    assert not form.write()
+    assert "no flash is marked yet" in form._told.value
+    for mark, begin in zip(form.marks, BEGINS.values(), strict=True):
+        form.canvas.frame = FLASH - begin
+        mark.take.click()
+    assert "Frame 0 will be frame 5 of cam1, frame 0 of cam2, frame 3 of cam3" in form._told.value
+    assert form.write()
+    trial = pawnb.load_trial(described)
+    assert [view.offset for view in trial.views] == [5, 0, 3]
+    assert (described / "trial.toml").read_text().replace("offset = 5\n", "").replace(
+        "offset = 3\n", ""
+    ) == before
+    # clicks are of the pictures as they were: they are kept, and made again
+    assert "those of before are in start.before.csv" in bench._told.value
+    assert not (described / "start.csv").exists()
+    assert type(bench.tool.tool).__name__ == "ClickInitialiser"
+    # what is marked then is the frame of the file, whatever the pictures are aligned by
+    bench.do("align", described)
+    form = bench.tool.tool
+    form.canvas.frame = 4
+    for mark in form.marks:
+        mark.take.click()
+    assert [mark.frame() for mark in form.marks] == [9, 4, 7]
+    assert form.write()
+    assert [view.offset for view in pawnb.load_trial(described).views] == [5, 0, 3]
+
+
+def test_corrected_points_keep_their_pictures(described, opened):
+    (described / "results").mkdir()
+    line = {"edit": "accept", "frame": 3, "view": "cam1", "point": "FR", "u": 9.0, "v": 9.0}
+    (described / "results" / "edits.jsonl").write_text(json.dumps(line) + "\n")
+    bench = opened(described)
+    bench.do("align", described)
+    form = bench.tool.tool
+    for mark, frame in zip(form.marks, "947", strict=True):
+        mark.field.value = frame
+    assert not form.write()
+    assert "holds corrections of the pictures as they are aligned now" in form._told.value
+    assert [view.offset for view in pawnb.load_trial(described).views] == [0, 0, 0]
+    assert (described / "start.csv").exists()

@@ -22,10 +22,11 @@ from pawnb.workflow.provenance.results import failure_of, results_folder
 from pawnb.workflow.reviewing.foreign import CORRECTED
 from pawnb.workflow.workbench.films import films_of_tracks
 
-Step = Literal["mend", "calibrate", "start", "track", "review", "gait", "look"]
+Step = Literal["mend", "calibrate", "align", "start", "track", "review", "gait", "look"]
 WORK_STEPS: dict[Step, str] = {
     "mend": "What to mend",
     "calibrate": "Calibrate",
+    "align": "Align the films",
     "start": "Click the start",
     "track": "Track",
     "review": "Review",
@@ -88,6 +89,8 @@ class TrialState:
         can: list[Step] = [self.next_step, *(("review",) if self.films else ())]
         if not self.trial.is_tracked_elsewhere:
             can += ["start", "calibrate"]
+            if len({view.video for view in self.trial.views}) > 1:
+                can.append("align")
             if "started" in self.done:
                 can.append("track")
             if "tracked" in self.done:
