@@ -84,7 +84,7 @@ class AlignmentForm(Plain, widgets.VBox):  # type: ignore[misc]
                 "no flash is marked yet: go to the frame in which a picture first shows it, and "
                 "press Flash is here beside its name."
             )
-        found = offsets_by_event(names, events)
+        found = offsets_by_event(names, events, from_first=self.trial.is_jointed)
         of_film = {v.video: n for v, n in zip(self._films, found, strict=True)}
         return {view.name: of_film[view.video] for view in self.trial.views}
 

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import ipywidgets as widgets
 
+from pawnb.core.video import open_view
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.boards import Board, read_board
-from pawnb.trial import Trial
+from pawnb.trial import Trial, View
 from pawnb.widgets.calibration_digitiser import CalibrationDigitiser
 from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
@@ -63,6 +64,11 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         self.length = widgets.Text(placeholder="its length", description="wand")
         self.squares = widgets.Text(placeholder="8 x 6, or by a file", description="squares")
         self.side = widgets.Text(placeholder="side of one", description="each")
+        given = trial.calibration
+        self.unit = widgets.Text(
+            value="mm" if given is None else given.unit, description="unit",
+            layout={"width": "10em"},
+        )  # fmt: skip
         self.films = {
             view.name: widgets.Text(
                 value=view.video, description=view.name, layout=_CALIBRATION_WIDTH
@@ -78,14 +84,14 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         self._place = widgets.VBox()
         self.way.observe(lambda _: self._show_fields(), names="value")
         named = {"way": self.way, "file": self.file, "length": self.length, "side": self.side,
-                 "squares": self.squares}  # fmt: skip
+                 "squares": self.squares, "unit": self.unit}  # fmt: skip
         films = {f"film {name}": field for name, field in self.films.items()}
         # what was typed is there again when the kernel has ended; clicks have files of their own
         self._draft = FormDraft(trial.folder / ".calibration-draft.json", named | films)
         self._show_fields()
         self.children = (
             widgets.HBox(
-                [self.way, self.file, self.length, self.squares, self.side],
+                [self.way, self.file, self.length, self.squares, self.side, self.unit],
                 layout=_CALIBRATION_ROW,
             ),
             widgets.HBox([*self.films.values()], layout=_CALIBRATION_ROW),
@@ -117,10 +123,12 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         else:
             if not session.can_save:
                 raise InputError(f"not every view is determined yet. {session.prompt()}")
+            self._check_sizes(session.sizes)
             if session.written is None:
                 made.edit("action", {"action": "save", "frame": made.frame})
             if session.written is not None:
-                self.trial = name_calibration(self.trial, session.written)
+                unit = self.unit.value.strip() or "mm"
+                self.trial = name_calibration(self.trial, session.written, unit=unit)
         self._draft.forget()
         if self._done is not None:
             self._done()
@@ -138,6 +146,20 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         super().close()
 
     # --- inside ---------------------------------------------------------------------------
+
+    def _check_sizes(self, clicked: Mapping[str, tuple[int, int]]) -> None:
+        """Raise InputError where the pictures that were clicked in are of another size."""
+        for view in self.trial.views:
+            whole = View(name=view.name, video=view.video)
+            with open_view(whole, self.trial.folder) as reader:
+                size = (reader.width, reader.height)
+            if clicked[view.name] != size:
+                said = [f"{w} x {h} px" for w, h in (clicked[view.name], size)]
+                raise InputError(
+                    f"{view.name} was calibrated in pictures of {said[0]}, and its film has "
+                    f"{said[1]}: one place has other pixels in both. Film the calibration as the "
+                    "trial is filmed, or bring both to one size."
+                )
 
     def _by(self) -> dict[str, Any]:
         """Return what the views are calibrated by."""
@@ -170,6 +192,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         for field, ways in (
             (self.file, ("points", "board")), (self.length, ("wand",)),
             (self.squares, ("board",)), (self.side, ("board",)),
+            (self.unit, ("points", "board", "wand")),
         ):  # fmt: skip
             field.layout.display = None if way in ways else "none"
 

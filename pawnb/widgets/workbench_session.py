@@ -16,6 +16,8 @@ from pawnb.gait import GaitTables, analyse
 from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
+from pawnb.widgets.calibration_points import CLICK_FILE
+from pawnb.widgets.calibration_wand import WAND_FILE
 from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.gait.run import GaitRun, run_gait
 from pawnb.workflow.gait.sources import recording_name
@@ -46,6 +48,8 @@ from pawnb.workflow.workbench.used_frames import write_frames, write_tracks_file
 Progress = Callable[..., None]
 _TRACK_ENDINGS = (".csv", ".tsv", ".h5", ".slp", ".nc", ".nwb", ".c3d")
 """Of files that other programs keep tracks in."""
+_CLICK_FILES = ("start.csv", CLICK_FILE, WAND_FILE)
+"""What a person clicked has the columns of tracks."""
 _RESULTS_OF_TRACKS = f"{RESULTS_FOLDER}_of_tracks"
 """Folder of results of files of tracks that lie beside a trial."""
 
@@ -138,7 +142,7 @@ class WorkbenchSession:
         }
         found = []
         for path in sorted(self.folder.iterdir()):
-            if path.suffix not in _TRACK_ENDINGS or path.name == "start.csv":
+            if path.suffix not in _TRACK_ENDINGS or path.name in _CLICK_FILES:
                 continue
             if is_copy(path, "before"):  # clicks as they were before they were changed
                 continue

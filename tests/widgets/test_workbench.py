@@ -404,7 +404,7 @@ def test_views_that_are_not_calibrated_are_on_the_same_page(described, opened):
     form.way.value = "points"
     with pytest.raises(InputError, match="name the file of the known points"):
         form.begin()
-    form.file.value = "known.csv"
+    form.file.value, form.unit.value = "known.csv", "cm"
     form.begin()
     with pytest.raises(InputError, match="not every view is determined yet") as refused:
         form.use()
@@ -417,7 +417,9 @@ def test_views_that_are_not_calibrated_are_on_the_same_page(described, opened):
     form.use()
     assert file.read_text().startswith(before.rstrip())  # all else in the file is as it was
     trial = pawnb.load_trial(described)
-    assert (trial.calibration.dlt, trial.calibration.pixels) == ("DLTcoefs.csv", "file")
+    calibration = trial.calibration
+    assert (calibration.dlt, calibration.pixels, calibration.unit) == ("DLTcoefs.csv", "file", "cm")
+    assert bench.session.track_files() == []  # what was clicked to calibrate is no track
     np.testing.assert_allclose(load_rig(trial).project(xyz), rig.project(xyz), atol=1e-3)
     assert isinstance(bench.tool.tool, ClickInitialiser)
     assert "calibrated" in bench.session.states[0].done

@@ -14,7 +14,7 @@ from pawnb.workflow.calibration.written import Written
 WAIT_FOR_TRIAL_S = 5.0
 
 
-def name_calibration(trial: Trial, written: Written) -> Trial:
+def name_calibration(trial: Trial, written: Written, *, unit: str) -> Trial:
     """Write into ``trial.toml`` that a trial is calibrated by what was just written.
 
     Parameters
@@ -23,6 +23,8 @@ def name_calibration(trial: Trial, written: Written) -> Trial:
         A trial that was read from its ``trial.toml``.
     written : Written
         The calibration, of the whole, unmirrored pictures, in the trial's folder.
+    unit : str
+        The unit of its lengths.
 
     Returns
     -------
@@ -43,7 +45,7 @@ def name_calibration(trial: Trial, written: Written) -> Trial:
         )
     if written.out.resolve().parent != trial.folder.resolve():
         raise InputError(f"{written.out} is not in the trial's folder, {trial.folder}.")
-    fields = {"dlt": written.out.name, "pixels": "file"}
+    fields = {"dlt": written.out.name, "unit": unit, "pixels": "file"}
     if written.lenses is not None:
         fields["lens"] = written.lenses.name
     path = trial.path("trial.toml")
@@ -67,7 +69,7 @@ def _put(path: Path, fields: dict[str, str]) -> None:
     if "lens" not in fields:
         section.pop("lens", None)
     after = before
-    for name in ("dlt", "pixels", "lens"):
+    for name in ("dlt", "unit", "pixels", "lens"):
         after = with_field(after, "calibration", name, value=fields.get(name))
     if not says(after, expected):
         lines = "; ".join(f'{name} = "{value}"' for name, value in fields.items())

@@ -93,7 +93,7 @@ def changed_inputs(tracks: Tracks, trial: Trial) -> list[str]:
         return []
     calibration = trial.calibration
     # clicks may have been given by hand, and are on record only where they were read
-    clicks = (trial.start_points, trial.start_pose)
+    clicks = (trial.start_file(), trial.start_pose_file())
     named: list[str | None] = [n for n in clicks if n and Path(n).name in known]
     if calibration is not None:
         named += [calibration.of_views, calibration.lens]

@@ -34,7 +34,9 @@ def doubt_synchronisation(trial: Trial, views: ViewSet, *, start: int, stop: int
     if not pairs:
         return []
     said = []
-    wrong = "" if trial.calibration is None else ", and places in space will be wrong"
+    calibration = trial.calibration
+    in_space = calibration is not None and calibration.of_views is not None
+    wrong = ", and places in space will be wrong" if in_space else ""
     for one in find_unsynchronised(motion_of_views(views, start, stop), pairs=pairs):
         offset = trial.view(one.view).offset
         n = f"{abs(one.lag_frames)} frame{'s' if abs(one.lag_frames) > 1 else ''}"

@@ -7,7 +7,9 @@ from collections.abc import Mapping, Sequence
 from pawnb.errors import InputError
 
 
-def offsets_by_event(films: Sequence[str], events: Sequence[int | None]) -> list[int]:
+def offsets_by_event(
+    films: Sequence[str], events: Sequence[int | None], *, from_first: bool = False
+) -> list[int]:
     """Return the offset of each film from the frame in which it shows one event.
 
     Parameters
@@ -17,6 +19,8 @@ def offsets_by_event(films: Sequence[str], events: Sequence[int | None]) -> list
     events : sequence of int or None
         Frame of each film that first shows the event, such as a flash; None where that is not
         known.
+    from_first : bool
+        Whether frames of the trial are those of the first film, as of a jointed animal.
 
     Returns
     -------
@@ -39,7 +43,7 @@ def offsets_by_event(films: Sequence[str], events: Sequence[int | None]) -> list
             f"{missing[0]} first shows it, and press Flash is here; or empty the other fields, "
             "where all films were started together."
         )
-    first = min(known)
+    first = known[0] if from_first else min(known)
     return [event - first for event in known]
 
 

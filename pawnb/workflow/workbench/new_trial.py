@@ -129,7 +129,8 @@ class NewTrial:
         """Frame of each film that belongs to frame 0; raises InputError as offsets_by_event."""
         films = self.films
         names, events = [v.name for v in films.values()], [v.event for v in films.values()]
-        return dict(zip(films, offsets_by_event(names, events), strict=True))
+        first = not self.animal.has_points
+        return dict(zip(films, offsets_by_event(names, events, from_first=first), strict=True))
 
     @property
     def offsets_so_far(self) -> dict[Path, int]:
@@ -169,7 +170,8 @@ class NewTrial:
         if self.px_per_unit is not None and len(self.views) > 1:
             raise InputError("a scale in px is that of a single view; give DLT coefficients.")
         calibration = None
-        if self.dlt is not None or self.px_per_unit is not None:
+        # a unit is not lost where the views are calibrated later
+        if self.dlt is not None or self.px_per_unit is not None or self.unit != Calibration().unit:
             dlt = None if self.dlt is None else self._relative(self.dlt)
             calibration = Calibration(dlt=dlt, px_per_unit=self.px_per_unit, unit=self.unit)
         name, offsets = self.name or self.folder.resolve().name, self.offsets

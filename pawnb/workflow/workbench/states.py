@@ -123,7 +123,9 @@ def state_of(folder: str | Path) -> TrialState:
     calibration = trial.calibration
     if calibration is not None:
         file = calibration.of_views
-        if file is None or trial.path(file).exists():
+        if file is None:  # a unit alone is none
+            done |= {"calibrated"} if calibration.px_per_unit is not None else set()
+        elif trial.path(file).exists():
             done.add("calibrated")
         else:
             wrong = f"{trial.path(file)}: no such file; check [calibration]."

@@ -114,8 +114,8 @@ def write_offsets(trial: Trial, offsets: Mapping[str, int]) -> Path | None:
                 f"yourself: {lines}."
             )
         write_text(after, path)
-    clicks = trial.path(trial.start_points or trial.start_pose or "start.csv")
-    if not clicks.exists():
+    name = trial.start_pose_file() if trial.is_jointed else trial.start_file()
+    if name is None or not (clicks := trial.path(name)).exists():
         return None
     kept = keep_copy(clicks, "before")
     clicks.unlink()

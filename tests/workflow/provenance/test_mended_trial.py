@@ -214,3 +214,12 @@ def test_tracks_made_before_crops_were_kept_know_their_size(trial, recwarn):
 def test_other_frames_than_those_that_were_tracked(trial):
     with pytest.warns(InputWarning, match=r"frames was changed from none to \[3, 30\]"):
         as_described_now(tracked(trial), replace(trial, frames=(3, 30)))
+
+
+def test_points_that_were_clicked_again_are_said_where_trial_toml_does_not_name_them(trial):
+    own = replace(trial, start_points=None)  # as the workbench writes it
+    tracks = tracked(own)
+    clicks = own.folder / "start.csv"
+    clicks.write_text(clicks.read_text().replace("1,2", "8,9"))
+    with pytest.warns(InputWarning, match="start.csv changed: pawnb track again"):
+        as_described_now(tracks, own)
