@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from pawnb.widgets.start_marks import find_contradictions
 from pawnb.widgets.start_points import MOUSE_PAWS
+from pawnb.workflow.start.exchanged_clicks import tell_exchanged
 
 if TYPE_CHECKING:
     from pawnb.widgets.start_session import StartSession
@@ -43,7 +44,9 @@ def what_is_clicked(session: StartSession) -> str:
 def what_contradicts(session: StartSession) -> str:
     """Say which clicks of this frame contradict those of the other views; empty where none do."""
     found = find_contradictions(session, session.frame)
-    parts = []
+    here = {(v, p): uv for (f, v, p), uv in session.clicks.items() if f == session.frame}
+    told = [] if session.rig is None else tell_exchanged(session.rig, here)
+    parts = [f"{text}." for text in told]
     for view, point, off in found:
         others = [v for f, v, p in session.clicks if (f, p) == (session.frame, point) and v != view]
         parts.append(

@@ -18,6 +18,7 @@ from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Calibration, Trial
 from pawnb.workflow.checking.check_report import CheckReport
+from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks
 from pawnb.workflow.start.propose import PAWS
 from pawnb.workflow.tracking.methods import tracker_settings
 from pawnb.workflow.tracking.point_tracker import point_trackers
@@ -102,6 +103,7 @@ def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: Che
                 f"start clicks of {point} in frame {frame} disagree between the views by "
                 f"{residual:.0f} px: one of them is on another point, or the calibration is off"
             )
+    report.doubts += tell_exchanged_clicks(rig, clicks)
     xyz = np.array([place for place in places.values() if np.isfinite(place).all()]).reshape(-1, 3)
     if len(xyz) > 1:
         # a view that is turned over by mirror = true shows either, by what was calibrated

@@ -14,6 +14,7 @@ from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
+from pawnb.core.video import ViewSet
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
@@ -21,6 +22,7 @@ from pawnb.workflow.calibration.real_units import in_real_units
 from pawnb.workflow.provenance.manifest import run_alone
 from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.reviewing.quality import tell_failed
+from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks
 from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
 from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
 from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
@@ -71,9 +73,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
-        if not asked.quick and may_be_unsynchronised(trial, views):
-            for doubt in doubt_synchronisation(trial, views, start=first, stop=last):
-                warnings.warn(f"{doubt}.", InputWarning, stacklevel=2)
+        doubts = [] if rig is None else tell_exchanged_clicks(rig, clicks)
+        _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:
             _refuse_more_frames(clicks, asked.method)
@@ -111,6 +112,16 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             write_track_results(tracks, out, rig=rig)
     tell_failed(tracks, complete=whole)
     return tracks
+
+
+def _tell_doubts(
+    trial: Trial, views: ViewSet, doubts: list[str], frames: tuple[int, int], *, quick: bool
+) -> None:
+    """Warn of clicks that look wrong, and of films that do not seem to be synchronised."""
+    if not quick and may_be_unsynchronised(trial, views):
+        doubts = [*doubts, *doubt_synchronisation(trial, views, start=frames[0], stop=frames[1])]
+    for doubt in doubts:
+        warnings.warn(f"{doubt}.", InputWarning, stacklevel=3)
 
 
 def _described(tracks: Tracks, trial: Trial, run: OpenedRun, *, earlier: Tracks | None) -> Tracks:
