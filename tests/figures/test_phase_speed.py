@@ -29,7 +29,8 @@ def tables(n_animals=5, trials=2, strides=3):
             speed = 100.0 + 40.0 * a + 7.0 * t
             for k in range(1, strides + 1):
                 key = {"animal": f"m{a}", "trial": f"t{t}", "stride": k}
-                phase = (0.3 + 0.001 * speed + 0.02 * (k - 2) + 0.03 * np.sin(7.0 * a)) % 1.0
+                within = (0.02 + 0.001 * a) * (k - 2)  # slopes differ between animals
+                phase = (0.3 + 0.001 * speed + within + 0.03 * np.sin(7.0 * a)) % 1.0
                 phases.append({**key, "leg": "L1", "reference": "L2", "phase": phase})
                 base.append({**key, "leg": "L2", "speed": speed + k})
     return pd.DataFrame(phases), pd.DataFrame(base)

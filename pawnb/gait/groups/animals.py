@@ -22,7 +22,7 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.describe import difference
 from pawnb.gait.circular.mean import mean_vector
-from pawnb.gait.inference.checks import check_level, check_values
+from pawnb.gait.inference.checks import NOTHING_VARIES, check_level, check_values, is_rounding
 from pawnb.gait.inference.circular_sample import ONE_ANIMAL, TINY, animal_codes
 from pawnb.gait.inference.linear_fit import t_quantile
 
@@ -148,12 +148,13 @@ def estimate_of(
         return AnimalEstimate(mean, *blank, n, k, level, "none", note)
     sd = float(units.std(ddof=1))
     error = sd / math.sqrt(k)
+    if is_rounding(error, units):
+        note = f"{NOTHING_VARIES}; {note}" if note else NOTHING_VARIES
+        return AnimalEstimate(mean, math.nan, math.nan, 0.0, math.nan, n, k, level, "none", note)
     half = t_quantile(level, k - 1) * error
     p = math.nan
     if expected is not None:
-        away = mean - expected
-        t = away / error if error > 0.0 else (0.0 if away == 0.0 else math.inf)
-        p = max(float(2.0 * student.sf(abs(t), k - 1)), TINY)
+        p = max(float(2.0 * student.sf(abs(mean - expected) / error, k - 1)), TINY)
     method = f"t of animals' values, {k - 1} df"
     return AnimalEstimate(mean, mean - half, mean + half, sd, p, n, k, level, method, note)
 

@@ -17,9 +17,9 @@ from scipy.stats import false_discovery_control
 
 from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
+from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.groups.differences import compare_paired, compare_two, compare_two_phases
 from pawnb.gait.inference.checks import check_level
-from pawnb.gait.inference.circular_sample import animal_sample
 from pawnb.schema import check_columns
 
 GROUP_COLUMNS = (
@@ -27,6 +27,7 @@ GROUP_COLUMNS = (
     "difference", "ci_low", "ci_high", "effect", "effect_low", "effect_high", "p", "p_adjusted",
     "p_all_measures", "p_strides", "method", "correction", "note",
 )  # fmt: skip
+_NONE_IN_BOTH = "no animal is in both conditions"
 CORRECTIONS = ("holm", "bonferroni", "fdr", "none")
 
 
@@ -77,7 +78,8 @@ def compare_groups(
         the means of its legs, whatever the numbers of their strides.
     paired : bool
         Whether the groups are conditions of the same animals. Animals that lack one of
-        the two are left out, and the note says how many.
+        the two are left out, and the note says how many; two groups that share no animal are
+        not compared.
     circular : bool
         Whether the measures are phases in cycles.
     reference : str, optional
@@ -92,7 +94,8 @@ def compare_groups(
     pandas.DataFrame
         ``by`` and ``GROUP_COLUMNS``, one row a pair: ``difference`` is b less a (cycles in
         [-0.5, 0.5) for phases, where an interval may go beyond). ``n_a`` and ``n_b`` count
-        strides; ``p_strides`` is p if they were independent, for comparison only.
+        strides of the animals that count; ``p_strides`` is p if they were independent, for
+        comparison only.
 
     Raises
     ------
@@ -127,6 +130,8 @@ def compare_groups(
             how = (paired, circular, average_over, level)
             rows.append(head | _compare(one, two, measure, how))
     found = pd.DataFrame(rows, columns=[*by, *GROUP_COLUMNS])
+    if paired and len(rows) and found["note"].str.startswith(_NONE_IN_BOTH).all():
+        raise InputError(f"paired: {_NONE_IN_BOTH}; expected the same animals.")
     found["correction"] = correction
     p = found["p"].astype(float)
     found["p_adjusted"] = p.groupby(found["measure"]).transform(
@@ -190,18 +195,24 @@ def _compare(
 ) -> dict[str, Any]:
     """Compare the strides of two groups; one row of the result."""
     paired, circular, average_over, level = how
+    note = ""
     if circular:
         a, b = (_phase_by_animal(part, measure) for part in (one, two))
+        lost = one["animal"].nunique() + two["animal"].nunique() - len(a) - len(b)
+        note = f"{lost} animals without a mean phase left out" if lost else ""
+        if a.empty or b.empty:
+            return {"note": note}
     else:
         a, b = (mean_by_animal(part, measure, average_over=average_over) for part in (one, two))
     shared = a.index.intersection(b.index)
-    note = ""
     if paired:
-        left = len(a.index.union(b.index)) - len(shared)
-        note = f"{left} animals in one condition only left out" if left else ""
+        alone = [part["animal"] for part in (one, two)]
+        left = len(set(alone[0]) ^ set(alone[1]))
+        only = f"{left} animals in one condition only left out" if left else ""
+        note = "; ".join(part for part in (only, note) if part)
+        if shared.empty:
+            return {"note": f"{_NONE_IN_BOTH}: not compared"}
         a, b = a[shared], b[shared]
-        if a.empty:
-            raise InputError("paired: no animal is in both conditions; expected the same animals.")
         found = compare_paired(a.to_numpy(), b.to_numpy(), circular=circular, level=level)
     elif len(shared):
         raise InputError(
@@ -211,10 +222,13 @@ def _compare(
     else:
         two_samples = compare_two_phases if circular else compare_two
         found = two_samples(a.to_numpy(), b.to_numpy(), level=level)
-    strides = (part[measure].to_numpy(dtype=float) for part in (one, two))
-    naive = (compare_two_phases if circular else compare_two)(*strides)
+    # of the animals that count, as the numbers of animals are
+    samples = ((one, a), (two, b))
+    strides = [part.loc[part["animal"].isin(own.index), measure] for part, own in samples]
+    first, second = (own.to_numpy(dtype=float) for own in strides)
+    naive = (compare_two_phases if circular else compare_two)(first, second)
     notes = "; ".join(part for part in (found.note, note) if part)
-    counts = {"n_a": len(one), "n_b": len(two)}
+    counts = {"n_a": len(first), "n_b": len(second)}
     return found._asdict() | counts | {"p_strides": naive.p, "note": notes}
 
 
@@ -244,9 +258,8 @@ def mean_by_animal(
 
 
 def _phase_by_animal(part: pd.DataFrame, measure: str) -> pd.Series:
-    """Return the mean phase of each animal."""
-    phases = {
-        animal: animal_sample(own.to_numpy(dtype=float), ["one"] * len(own))[0][0]
-        for animal, own in part.groupby("animal", sort=True)[measure]
-    }
-    return pd.Series(phases, dtype=float)
+    """Return the mean phase of each animal that has one; phases may cancel out."""
+    phases = part.groupby("animal", sort=True)[measure].agg(
+        lambda own: mean_vector(own.to_numpy(dtype=float)).mean
+    )
+    return phases.dropna().astype(float)

@@ -19,6 +19,7 @@ from pawnb.arrays import FloatArray
 from pawnb.gait.circular.describe import difference
 from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.inference.animal_phases import WHOLE_CYCLE
+from pawnb.gait.inference.checks import NOTHING_VARIES, is_rounding
 from pawnb.gait.inference.circular_sample import TINY, phase_standard_error
 from pawnb.gait.inference.linear_fit import t_quantile
 
@@ -74,7 +75,8 @@ def compare_two(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Differe
     Returns
     -------
     Difference
-        b less a. Without interval where a sample has one animal.
+        b less a. Without interval where a sample has one animal, or the animals of both differ by
+        rounding only.
     """
     counts = len(a), len(b)
     means = float(a.mean()), float(b.mean())
@@ -82,11 +84,13 @@ def compare_two(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Differe
     if min(len(a), len(b)) < 2:
         return _no_test(*means, away, counts)
     squares = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
+    if is_rounding(math.sqrt(sum(squares)), np.concatenate((a, b))):
+        return _no_test(*means, away, counts, NOTHING_VARIES)
     half, p, df = _welch(away, squares, (len(a) - 1, len(b) - 1), level)
     pooled_df = len(a) + len(b) - 2
     pooled = math.sqrt(((len(a) - 1) * a.var(ddof=1) + (len(b) - 1) * b.var(ddof=1)) / pooled_df)
     size = 1.0 / math.sqrt(1.0 / len(a) + 1.0 / len(b))
-    effect = hedges_g(away / pooled, size, pooled_df, level=level) if pooled > 0 else _BLANK
+    effect = hedges_g(away / pooled, size, pooled_df, level=level)
     method = f"Welch's t, {df:.1f} df"
     return Difference(*means, away, away - half, away + half, *effect, p, *counts, method)
 
@@ -104,7 +108,8 @@ def compare_two_phases(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> 
     Returns
     -------
     Difference
-        b less a, the short way round. Without interval where a sample has one animal.
+        b less a, the short way round. Without interval where a sample has one animal, or the
+        animals of both differ by rounding only.
     """
     counts = len(a), len(b)
     means = mean_vector(a).mean, mean_vector(b).mean
@@ -112,6 +117,8 @@ def compare_two_phases(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> 
     if min(len(a), len(b)) < 2 or not math.isfinite(away):
         return _no_test(*means, away, counts)
     squares = phase_standard_error(a) ** 2, phase_standard_error(b) ** 2
+    if is_rounding(math.sqrt(sum(squares)), np.ones(1)):
+        return _no_test(*means, away, counts, NOTHING_VARIES)
     half, p, df = _welch(away, squares, (len(a) - 1, len(b) - 1), level)
     half, note = _at_most(half, level)
     method = f"Welch's t of phases, {df:.1f} df"
@@ -135,7 +142,8 @@ def compare_paired(
     Returns
     -------
     Difference
-        Mean of b less a. Without interval for one animal.
+        Mean of b less a. Without interval for one animal, or where the differences of all are the
+        same but for rounding.
     """
     k = len(a)
     counts = k, k
@@ -150,11 +158,13 @@ def compare_paired(
         error = float(each.std(ddof=1)) / math.sqrt(k) if k > 1 else math.nan
     if k < 2 or not math.isfinite(away):
         return _no_test(*means, away, counts)
+    if is_rounding(error, np.ones(1) if circular else np.concatenate((a, b))):
+        return _no_test(*means, away, counts, NOTHING_VARIES)
     half, p, df = _welch(away, (error**2, 0.0), (k - 1, 1), level)
     method = f"paired t{' of phases' if circular else ''}, {df:.0f} df"
     half, note = _at_most(half, level) if circular else (half, "")
     effect = _BLANK
-    if not circular and error > 0.0:
+    if not circular:
         effect = hedges_g(away / (error * math.sqrt(k)), math.sqrt(k), k - 1, level=level)
     return Difference(*means, away, away - half, away + half, *effect, p, *counts, method, note)
 
@@ -212,8 +222,6 @@ def _welch(
 ) -> tuple[float, float, float]:
     """Return half the interval, p and the degrees of freedom of a difference of two means."""
     whole = squares[0] + squares[1]
-    if whole <= 0.0:
-        return 0.0, 1.0 if away == 0.0 else TINY, float(sum(dfs))
     if not math.isfinite(whole):  # phases as scattered as at random
         return math.inf, 1.0, float(min(dfs))
     df = whole**2 / (squares[0] ** 2 / dfs[0] + squares[1] ** 2 / dfs[1])
@@ -228,9 +236,14 @@ def _at_most(half: float, level: float) -> tuple[float, str]:
     return (half, "") if half < level / 2.0 else (level / 2.0, WHOLE_CYCLE)
 
 
-def _no_test(mean_a: float, mean_b: float, away: float, counts: tuple[int, int]) -> Difference:
+def _no_test(
+    mean_a: float,
+    mean_b: float,
+    away: float,
+    counts: tuple[int, int],
+    note: str = "one animal in a group: no interval and no p",
+) -> Difference:
     """Return a difference that has neither interval nor p."""
-    note = "one animal in a group: no interval and no p"
     if not math.isfinite(away):
         note = "a group has no mean phase"
     return Difference(mean_a, mean_b, away, *_BLANK, *_BLANK, *counts, "none", note)

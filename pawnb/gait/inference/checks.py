@@ -7,6 +7,10 @@ import numpy as np
 from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 
+NOTHING_VARIES = "no spread between animals beyond rounding: no interval and no p"
+EQUAL_SHARE = 1e-9
+"""Values that differ by less than this share of their size are equal."""
+
 
 def as_numbers(values: AnyArray, name: str) -> FloatArray:
     """Return values as a flat array of floats; they may be missing.
@@ -79,3 +83,25 @@ def check_level(level: float) -> None:
     """
     if not 0.0 < level < 1.0:
         raise InputError(f"level is {level}; expected between 0 and 1, for instance 0.95.")
+
+
+def is_rounding(error: float, values: FloatArray) -> bool:
+    """Say whether a standard error is that of rounding: nothing varies, and nothing can be tested.
+
+    R's ``t.test`` refuses such data as "essentially constant". Its limit is ten times the spacing
+    of numbers, which is too little here: a period is a difference of times, and 0.16 s that begin
+    100 s into a film are exact to 1e-14 s only.
+
+    Parameters
+    ----------
+    error : float
+        Standard error of a mean or a difference.
+    values : ndarray
+        What it came from.
+
+    Returns
+    -------
+    bool
+        True below :data:`EQUAL_SHARE` of the largest of them.
+    """
+    return error <= EQUAL_SHARE * float(np.abs(values).max())

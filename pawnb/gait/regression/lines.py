@@ -17,7 +17,7 @@ from scipy.stats import t as student
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
-from pawnb.gait.inference.checks import check_level
+from pawnb.gait.inference.checks import EQUAL_SHARE, check_level
 from pawnb.gait.inference.linear_fit import (
     AnimalSlopes,
     Line,
@@ -42,9 +42,6 @@ __all__ = [
 ]
 
 LEAST_POINTS = 3
-
-_EQUAL_SHARE = 1e-9
-"""Values that differ by less than this share of their size are equal."""
 
 
 def fit_line(
@@ -365,7 +362,7 @@ def _least_squares(
 
 def differ(x: FloatArray) -> bool:
     """Say whether values differ by more than rounding: those of a belt of one speed do not."""
-    return len(x) > 0 and bool(np.ptp(x) > _EQUAL_SHARE * np.abs(x).max())
+    return len(x) > 0 and bool(np.ptp(x) > EQUAL_SHARE * np.abs(x).max())
 
 
 def _points(

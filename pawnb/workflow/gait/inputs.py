@@ -114,10 +114,14 @@ def _of_study(trial: StudyTrial, study: Study, fps: float | None) -> GaitSource:
     own = _of_input(trial.path, trial.fps or fps).of_animal(trial.animal)
     if trial.name is not None:
         own = own.of_name(trial.name)
-    compared = trial.condition if study.compare == "condition" else trial.group or own.group
+    compared, aside = trial.group or own.group, trial.condition
+    if study.compare == "condition":
+        compared, aside = aside, compared
     return dataclasses.replace(
         own,
         group=compared,
+        compared=study.compare,
+        aside=aside,
         settings={**study.settings, **own.settings, **trial.settings},
         fields={**own.fields, **trial.fields},
         legs=dict(study.legs) or None,

@@ -267,9 +267,9 @@ def _findings(
     tables: GaitTables,
 ) -> _Findings:
     """Return the tables of all sources with those that are made of them."""
-    groups = {
-        k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
-    }
+    own = list(zip(sources, parts, strict=True))
+    groups = {who: group for s, part in own for who, group in s.groups(part).items()}
+    aside = {who: name for s, part in own for who, name in s.set_aside(part).items()}
     seen = tracks_of(sources, request.legs)
     named_tracks = [(one.tracks, one.animal, one.trial) for one in seen]
     angles = joint_angles_of(named_tracks)
@@ -283,7 +283,7 @@ def _findings(
         remarks.append(f"gait is not compared with size: {error}")
         fields = {}
     told = notes_on_sources(sources, request.animals)
-    told += notes_on_trials(sources, tables.events, groups)
+    told += notes_on_trials(sources, tables.events, groups, aside=aside)
     remarks = [*told, *tables.notes, *remarks]
     tables = dataclasses.replace(tables, notes=tuple(remarks))
     every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further

@@ -88,7 +88,11 @@ def _called(some: Iterable[tuple[str, str]], trials: Iterable[tuple[str, str]]) 
 
 
 def notes_on_trials(
-    sources: Sequence[GaitSource], events: pd.DataFrame, groups: Mapping[tuple[str, str], str]
+    sources: Sequence[GaitSource],
+    events: pd.DataFrame,
+    groups: Mapping[tuple[str, str], str],
+    *,
+    aside: Mapping[tuple[str, str], str],
 ) -> list[str]:
     """Say what makes trials that are pooled or compared unlike each other.
 
@@ -100,6 +104,9 @@ def notes_on_trials(
         Events of all trials.
     groups : mapping
         Group of each animal and trial, where there are any.
+    aside : mapping
+        Condition of each animal and trial where a study compares groups, group where it compares
+        conditions.
 
     Returns
     -------
@@ -108,10 +115,13 @@ def notes_on_trials(
     """
     who = events[["animal", "trial"]].drop_duplicates().astype(str)
     trials = list(who.itertuples(index=False, name=None))
+    compared = sources[0].compared
     return [
         *_spelt_alike("animals", (animal for animal, _ in trials)),
         *_spelt_alike("groups", groups.values()),
         *_without_group(trials, groups),
+        *_in_several_groups(groups, compared=compared),
+        *_not_told_apart(groups, aside, compared=compared),
         *_missing_legs(events),
         *_rates_of_groups(sources, groups),
     ]
@@ -142,6 +152,46 @@ def _without_group(
     return [
         f"no group is given for {', '.join(lost)}: left out where groups are compared, and "
         "counted in all other tables."
+    ]
+
+
+def _in_several_groups(groups: Mapping[tuple[str, str], str], *, compared: str) -> list[str]:
+    """Say which animals are in several groups: they are compared with themselves, others not."""
+    own: dict[str, dict[str, None]] = {}
+    for (animal, _), group in groups.items():
+        own.setdefault(animal, {})[group] = None
+    several = [animal for animal, names in own.items() if len(names) > 1]
+    if not several:
+        return []
+    names = " and ".join(dict.fromkeys(name for animal in several for name in own[animal]))
+    alone = ", ".join(animal for animal in own if animal not in several)
+    if compared == "condition":  # so it is meant
+        left = f"no other condition is given for {alone}: left out where conditions are compared."
+        return [left] * bool(alone)
+    left = f", and {alone}, of one group only, left out" if alone else ""
+    return [
+        f"{', '.join(several)} count as the same animals in {names}: groups are compared within "
+        f"animals (paired){left}. Where these are different animals, or a trial is in a wrong "
+        "group, give every animal an id and a group of its own and run this again."
+    ]
+
+
+def _not_told_apart(
+    groups: Mapping[tuple[str, str], str], aside: Mapping[tuple[str, str], str], *, compared: str
+) -> list[str]:
+    """Say where groups are compared although each has trials of several conditions, or so."""
+    own: dict[str, dict[str, None]] = {}
+    for key, name in aside.items():
+        own.setdefault(groups.get(key, ""), {})[name] = None
+    mixed = dict.fromkeys(name for names in own.values() if len(names) > 1 for name in names)
+    if not groups or not mixed:
+        return []
+    other = "condition" if compared == "group" else "group"
+    return [
+        f"{compared}s are compared over several {other}s ({', '.join(mixed)}), which are not told "
+        f"apart: the mean of a {compared} is over all of them. To compare within one {other}, "
+        "leave the trials of the others out of the study; to compare these, write [study] "
+        f'compare = "{other}".'
     ]
 
 

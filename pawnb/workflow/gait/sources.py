@@ -57,6 +57,10 @@ class GaitSource:
         Further files that tracks made elsewhere were read from, such as their calibration.
     group : str, optional
         Group of its animals, as told beside it.
+    compared : {"group", "condition"}
+        What ``group`` is: a study may compare conditions.
+    aside : str, optional
+        The condition where groups are compared, the group where conditions are.
     of_trial : Path, optional
         The ``trial.toml`` that named it.
     settings : mapping
@@ -77,6 +81,8 @@ class GaitSource:
     guessed: bool = False
     further: tuple[Path, ...] = ()
     group: str | None = None
+    compared: str = "group"
+    aside: str | None = None
     of_trial: Path | None = None
     settings: Mapping[str, Any] = field(default_factory=dict)
     fields: Mapping[str, Any] = field(default_factory=dict)
@@ -94,15 +100,18 @@ class GaitSource:
         That which was told goes before a column ``group`` of the events, and that before the
         trial's.
         """
-        who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
         own = None if self.trial is None else self.trial.animal.group
         named = {} if self.events is None else groups_of_events(self.events, where=str(self.path))
         found = {}
-        for animal, trial in who.itertuples(index=False, name=None):
+        for animal, trial in _trials_in(tables):
             group = self.group or named.get((animal, trial)) or own
             if group is not None:
                 found[animal, trial] = group
         return found
+
+    def set_aside(self, tables: GaitTables) -> dict[tuple[str, str], str]:
+        """Return ``aside`` of each animal and trial in the tables made of this input."""
+        return {} if self.aside is None else dict.fromkeys(_trials_in(tables), self.aside)
 
     def of_animal(self, animal: str) -> GaitSource:
         """Return the same input as that of one animal."""
@@ -153,6 +162,12 @@ class GaitSource:
         if self.called is not None or len(self.animals) != 1:
             return self.called
         return self.animals[0], self.trial_name
+
+
+def _trials_in(tables: GaitTables) -> list[tuple[str, str]]:
+    """Return each animal and trial of these tables."""
+    who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
+    return list(who.itertuples(index=False, name=None))
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:

@@ -49,6 +49,15 @@ def test_mean_of_animals_by_hand():
     assert math.isnan(mean_of_animals(values, list("aaabbcddde")).p)
 
 
+def test_animals_that_differ_by_rounding_only_have_no_interval():
+    # R 4.2.2: t.test(c(.5, .5, .5), mu = .4): Error: data are essentially constant
+    found = mean_of_animals([0.3, 0.1 + 0.2, 0.3], list("abc"), expected=0.2)
+    assert found.estimate == pytest.approx(0.3)
+    assert found.sd == 0.0
+    assert np.isnan([found.low, found.high, found.p]).all()
+    assert found.note == "no spread between animals beyond rounding: no interval and no p"
+
+
 def test_interval_of_close_phases_is_students():
     # for small differences sines are the differences and r is 1
     means = 0.98 + np.array([1.0, 2, 3, 4, 5]) * 1e-4

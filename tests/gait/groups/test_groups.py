@@ -220,6 +220,43 @@ def test_conditions_of_the_same_animals():
     assert -0.5 <= circular["difference"] < 0.5
 
 
+def test_an_animal_whose_phases_cancel_out_is_left_out_and_the_others_are_compared():
+    rows = [("a1", "a", 0.1), ("a2", "a", 0.15), ("a3", "a", 0.0), ("a3", "a", 0.5),
+            ("b1", "b", 0.3), ("b2", "b", 0.4)]  # fmt: skip
+    table = pd.DataFrame(rows, columns=["animal", "group", "phase"])
+    found = compare_groups(table, ["phase"], circular=True).iloc[0]
+    assert found["note"] == "1 animals without a mean phase left out"
+    assert found["difference"] == pytest.approx(0.225)  # of 0.125 and 0.35
+    assert (found["n_animals_a"], found["n_a"], found["n_animals_b"], found["n_b"]) == (2, 2, 2, 2)
+    alone = compare_groups(table[table["animal"].isin(["a3", "b1"])], ["phase"], circular=True)
+    assert math.isnan(alone.iloc[0]["p"])
+    assert alone.iloc[0]["note"] == "1 animals without a mean phase left out"
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "options"),
+    [
+        # R 4.2.2, t.test of each of these: Error: data are essentially constant
+        ([0.75, 0.75, 0.75], [0.5, 0.5, 0.5], {}),
+        ([0.1 + 0.2, 0.3, 0.3], [0.6, 0.6, 0.6], {}),
+        ([0.1, 0.2, 0.3], [0.2, 0.3, 0.4], {"paired": True}),
+        ([0.5, 0.5, 0.5], [0.98, 0.98, 0.98], {"circular": True}),
+        ([0.1, 0.2, 0.3], [0.2, 0.3, 0.4], {"circular": True, "paired": True}),
+    ],
+)
+def test_what_differs_by_rounding_only_is_not_tested(a, b, options):
+    rows = [
+        (f"{i}" if "paired" in options else f"{group}{i}", group, value)
+        for group, values in (("a", a), ("b", b))
+        for i, value in enumerate(values)
+    ]
+    table = pd.DataFrame(rows, columns=["animal", "group", "y"])
+    found = compare_groups(table, ["y"], **options).iloc[0]
+    assert found[["ci_low", "ci_high", "effect", "p"]].isna().all()
+    assert found["note"] == "no spread between animals beyond rounding: no interval and no p"
+    assert (found["n_animals_a"], found["n_animals_b"], found["method"]) == (3, 3, "none")
+
+
 def test_a_group_without_values_is_told():
     table = strides()
     table.loc[table["group"] == "sham", "duty_factor"] = np.nan

@@ -206,10 +206,10 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     if "groups" in further and not _tests_made(further["groups"]):
         said.append("Differences between groups are described and not tested (groups.csv says why)")
     elif "groups" in further:
-        design = str(further["groups"]["design"].iloc[0])
         said.append(
-            f"The design is {design}; within a measure p was adjusted by Holm's method, and p over "
-            "all measures is given beside it"
+            "An animal's value is the mean of the means of its legs, over all its strides in a "
+            f"group. The design is {_design(further['groups'])}; within a measure p was adjusted "
+            "by Holm's method, and p over all measures is given beside it"
         )
     if "curve_clusters" in further:
         counted = " or ".join(dict.fromkeys(further["curve_clusters"]["method"].astype(str)))
@@ -226,6 +226,19 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
         return ". ".join(said) + "."
     alone = ", as there is one animal only: strides are described, and nothing is tested"
     return f"No statistics over animals were made{alone if animals == 1 else ''}."
+
+
+def _design(groups: pd.DataFrame) -> str:
+    """Name the design; of a paired one with how many animals are in both groups."""
+    design = str(groups["design"].iloc[0])
+    if design != "paired":
+        return design
+    measures = groups[(groups["role"] == "measure") & groups["n_animals_a"].notna()]
+    told = [
+        f"{_number(int(own['n_animals_a'].max()), 'animal')} in both {pair[0]} and {pair[1]}"
+        for pair, own in measures.groupby(["group_a", "group_b"], sort=False)
+    ]
+    return f"{design} ({'; '.join(told)})"
 
 
 def _tests_made(table: pd.DataFrame) -> list[str]:

@@ -1,0 +1,121 @@
+"""Who is compared with whom: ids that groups share, partners that lack, conditions in groups."""
+
+from __future__ import annotations
+
+import pandas as pd
+import pytest
+
+from pawnb.workflow.gait.run import run_gait
+
+FPS = 100.0
+
+
+def write_trial(path, *, period=20.0, stance=12.0, strides=6):
+    """Two legs half a stride apart; durations in frames, all strides alike."""
+    rows = []
+    for leg, start in (("L1", 3.0), ("R1", 3.0 + period / 2.0)):
+        for k in range(strides + 1):
+            rows += [(leg, "TD", start + k * period), (leg, "LO", start + k * period + stance)]
+    pd.DataFrame(rows, columns=["leg", "event", "frame"]).to_csv(path, index=False)
+
+
+def analyse(folder, rows, **columns):
+    """Return the notes, the methods paragraph and the comparison of the groups."""
+    study = pd.DataFrame(rows).assign(fps=FPS, **columns)
+    study.to_csv(folder / "study.csv", index=False)
+    run = run_gait(folder / "study.csv", figures="none")
+    table = folder / "results" / "groups.csv"
+    found = pd.read_csv(table) if table.exists() else pd.DataFrame()
+    methods = (folder / "results" / "methods.txt").read_text()
+    return [str(note) for note in run.tables.notes], methods, found
+
+
+def write_study(folder, column, members, **own):
+    """Write a trial of each animal of each group; stances differ from animal to animal."""
+    rows = []
+    for g, (group, animals) in enumerate(members.items()):
+        for i, animal in enumerate(animals):
+            file = f"{group}-{animal}.csv"
+            write_trial(folder / file, stance=10.0 + i + 0.5 * g * (i + 1), **own)
+            rows.append({"file": file, "animal": animal, column: group})
+    return rows
+
+
+def test_numbers_that_groups_share_are_said_to_count_as_the_same_animals(tmp_path):
+    rows = write_study(tmp_path, "group", {"wt": ["1", "2", "3"], "ko": ["1", "2", "3"]})
+    notes, methods, found = analyse(tmp_path, rows)
+    assert set(found["design"]) == {"paired"}
+    (note,) = [note for note in notes if "count as the same animals" in note]
+    assert note.startswith("1, 2, 3 count as the same animals in wt and ko: groups are compared")
+    assert "Where these are different animals" in note
+    assert "The design is paired (3 animals in both wt and ko)" in methods
+    # under ids of their own they are six animals, and nothing is to be said
+    apart = [{**row, "animal": f"{row['group']}{row['animal']}"} for row in rows]
+    notes, methods, found = analyse(tmp_path, apart)
+    assert set(found["design"]) == {"unpaired"}
+    assert not [note for note in notes if "same animals" in note]
+    assert "The design is unpaired;" in methods
+
+
+def test_a_trial_in_a_wrong_group_is_seen_in_the_notes(tmp_path):
+    rows = write_study(tmp_path, "group", {"ctl": ["a", "b", "c"], "les": ["c", "d", "e"]})
+    notes, _, _ = analyse(tmp_path, rows)
+    (note,) = [note for note in notes if "count as the same animals" in note]
+    assert note.startswith("c count as the same animals in ctl and les")
+    assert "a, b, d, e, of one group only, left out" in note
+
+
+def test_strides_of_an_animal_without_partner_do_not_count(tmp_path):
+    rows = write_study(tmp_path, "condition", {"before": ["a", "b", "c", "d"], "after": "abc"})
+    notes, methods, found = analyse(tmp_path, rows)
+    first = found[(found["measure"] == "stance_s") & (found["role"] == "measure")].iloc[0]
+    # three animals, two legs, six strides of each: 36, where 48 are there before
+    assert (first["n_animals_a"], first["n_a"], first["n_b"]) == (3, 36, 36)
+    assert "no other condition is given for d: left out where conditions are compared." in notes
+    assert not [note for note in notes if "same animals" in note]
+    assert "The design is paired (3 animals in both before and after)" in methods
+
+
+def test_groups_that_share_no_animal_do_not_keep_others_from_being_compared(tmp_path):
+    members = {"before": "abc", "after": "abc", "naive": "xyz"}
+    _, _, found = analyse(tmp_path, write_study(tmp_path, "group", members))
+    own = found[(found["measure"] == "stance_s") & (found["role"] == "measure")]
+    assert own["p"].notna().tolist() == [True, False, False]
+    # stances of 10, 11, 12 frames grow by 0.5, 1 and 1.5: R 4.2.2, t.test(c(105, 120, 135) / 1000,
+    # c(100, 110, 120) / 1000, paired = TRUE): t = 3.4641, df = 2, p-value = 0.07418
+    assert own["difference"].iloc[0] == pytest.approx(0.01)
+    assert own["p"].iloc[0] == pytest.approx(0.07418, abs=5e-6)
+    assert own["note"].iloc[1] == "no animal is in both conditions: not compared"
+
+
+def test_conditions_that_are_not_told_apart_are_named(tmp_path):
+    rows = []
+    for condition in ("before", "after"):
+        for group, animals in (("ctl", "abc"), ("les", "xyz")):
+            for i, animal in enumerate(animals):
+                file = f"{animal}-{condition}.csv"
+                write_trial(tmp_path / file, stance=10.0 + i)
+                rows.append({"file": file, "animal": animal, "group": group})
+                rows[-1]["condition"] = condition
+    notes, _, _ = analyse(tmp_path, rows)
+    (note,) = [note for note in notes if "not told apart" in note]
+    assert note.startswith("groups are compared over several conditions (before, after)")
+    # one condition in each group is no mixture
+    notes, _, _ = analyse(tmp_path, [row for row in rows if row["condition"] == "before"])
+    assert not [note for note in notes if "not told apart" in note]
+
+
+def test_what_does_not_vary_between_animals_is_not_tested(tmp_path):
+    """Whole frames at a low rate: all animals of a group have one duty factor."""
+    rows = []
+    for group, stance in (("a", 2.0), ("b", 3.0)):
+        for i in range(3):
+            write_trial(tmp_path / f"{group}{i}.csv", period=4.0, stance=stance, strides=5 + i)
+            rows.append({"file": f"{group}{i}.csv", "animal": f"{group}{i}", "group": group})
+    _, methods, found = analyse(tmp_path, rows)
+    own = found[(found["measure"] == "duty_factor") & (found["role"] == "measure")].iloc[0]
+    # R 4.2.2: t.test(c(.75, .75, .75), c(.5, .5, .5)): Error: data are essentially constant
+    assert own["difference"] == pytest.approx(0.25)
+    assert own[["p", "ci_low", "ci_high", "effect", "p_adjusted"]].isna().all()
+    assert own["note"] == "no spread between animals beyond rounding: no interval and no p"
+    assert "Differences between groups are described and not tested" in methods
