@@ -84,7 +84,7 @@ def support_rule(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -
     Parameters
     ----------
     events : pandas.DataFrame
-        AEP and PEP (or TD and LO, where there is no AEP) of one or more animals.
+        AEP and PEP (or TD and LO, of a trial without AEP) of one or more animals.
     strides : pandas.DataFrame, optional
         Their strides: the state of the leg behind is known only within its strides then, and
         not across gaps and pauses. Without them it is between its first and last event.
@@ -97,7 +97,6 @@ def support_rule(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -
         that leg was in stance (between its AEP and PEP). ``share`` is obeyed / all. A leg that
         ignores the one behind would begin a share equal to that one's duty factor.
     """
-    begin, end = ("AEP", "PEP") if (events["event"] == "AEP").any() else ("TD", "LO")
     rows = []
     for animal, own in events.groupby("animal", sort=True):
         legs = sort_legs(own["leg"])
@@ -108,9 +107,7 @@ def support_rule(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -
                 n, obeyed = 0, 0
                 for name, trial in own.groupby("trial", sort=False):
                     known = None if strides is None else _spans(strides, animal, name, behind)
-                    state = _state_at_protraction(
-                        trial, (leg, behind), begin=begin, end=end, known=known
-                    )
+                    state = _state_at_protraction(trial, (leg, behind), known=known)
                     n, obeyed = n + len(state), obeyed + int(state.sum())
                 rows.append([animal, leg, behind, n, obeyed, obeyed / n if n else np.nan])
     return pd.DataFrame(rows, columns=list(SUPPORT_RULE_COLUMNS))
@@ -132,15 +129,12 @@ def _spans(strides: pd.DataFrame, animal: object, trial: object, leg: str) -> Fl
 
 
 def _state_at_protraction(
-    events: pd.DataFrame,
-    pair: tuple[str, str],
-    *,
-    begin: str,
-    end: str,
-    known: FloatArray | None,
+    events: pd.DataFrame, pair: tuple[str, str], *, known: FloatArray | None
 ) -> BoolArray:
     """Say of each protraction of a leg whether the one behind is in stance, where known."""
     leg, behind = pair
+    # trials of one study may be scored in different ways
+    begin, end = ("AEP", "PEP") if (events["event"] == "AEP").any() else ("TD", "LO")
     lifts = events.loc[(events["leg"] == leg) & (events["event"] == end), "time_s"]
     lifted = lifts.to_numpy(dtype=float)
     other = events[(events["leg"] == behind) & events["event"].isin((begin, end))]

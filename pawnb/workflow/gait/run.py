@@ -283,7 +283,7 @@ def _findings(
         remarks.append(f"gait is not compared with size: {error}")
         fields = {}
     told = notes_on_sources(sources, request.animals)
-    told += notes_on_trials(sources, tables.events, groups, aside=aside)
+    told += notes_on_trials(sources, tables, groups, aside=aside)
     remarks = [*told, *tables.notes, *remarks]
     tables = dataclasses.replace(tables, notes=tuple(remarks))
     every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further

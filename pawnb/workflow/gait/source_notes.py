@@ -89,7 +89,7 @@ def _called(some: Iterable[tuple[str, str]], trials: Iterable[tuple[str, str]]) 
 
 def notes_on_trials(
     sources: Sequence[GaitSource],
-    events: pd.DataFrame,
+    tables: GaitTables,
     groups: Mapping[tuple[str, str], str],
     *,
     aside: Mapping[tuple[str, str], str],
@@ -100,8 +100,8 @@ def notes_on_trials(
     ----------
     sources : sequence of GaitSource
         The inputs.
-    events : pandas.DataFrame
-        Events of all trials.
+    tables : GaitTables
+        Of all trials.
     groups : mapping
         Group of each animal and trial, where there are any.
     aside : mapping
@@ -113,7 +113,7 @@ def notes_on_trials(
     list of str
         The notes.
     """
-    who = events[["animal", "trial"]].drop_duplicates().astype(str)
+    who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
     trials = list(who.itertuples(index=False, name=None))
     compared = sources[0].compared
     return [
@@ -122,7 +122,8 @@ def notes_on_trials(
         *_without_group(trials, groups),
         *_in_several_groups(groups, compared=compared),
         *_not_told_apart(groups, aside, compared=compared),
-        *_missing_legs(events),
+        *_missing_legs(tables.events),
+        *_ways_of_stance(tables.strides, trials),
         *_rates_of_groups(sources, groups),
     ]
 
@@ -208,6 +209,26 @@ def _missing_legs(events: pd.DataFrame) -> list[str]:
             f"{len(animals)} animals."
         )
     return notes
+
+
+def _ways_of_stance(strides: pd.DataFrame, trials: Sequence[tuple[str, str]]) -> list[str]:
+    """Say where stances of some trials are by position and those of others by contact."""
+    ways = {
+        str(way): own[["animal", "trial"]].drop_duplicates().astype(str)
+        for way, own in strides.groupby("method", sort=False)
+    }
+    if len(ways) < 2:
+        return []
+    told = " and ".join(
+        f"{way.replace('/', ' to ')} in "
+        f"{', '.join(_called(own.itertuples(index=False, name=None), trials))}"
+        for way, own in ways.items()
+    )
+    return [
+        f"stance is from {told}: a leg lands after its AEP and may lift off after its PEP, so that "
+        "stance, swing and duty factor of the one are not those of the other. Compare trials with "
+        "one kind of events (stride_events, or score the same events in all)."
+    ]
 
 
 def _rates_of_groups(

@@ -73,6 +73,16 @@ def test_a_leg_that_waits_for_the_one_behind_obeys():
     assert breaking.loc["L2", "n_protractions"] > 15
 
 
+def test_a_trial_scored_by_contact_counts_beside_one_scored_by_position():
+    positions = walk(0.45)
+    contacts = walk(0.45).assign(animal="b").replace({"AEP": "TD", "PEP": "LO"})
+    found = support_rule(pd.concat([positions, contacts], ignore_index=True))
+    assert found["animal"].tolist() == ["a", "b"]
+    one, other = found["n_protractions"]  # the same walk, under other names of events
+    assert one == other > 15
+    assert found["share"].tolist() == [1.0, 1.0]
+
+
 def test_a_leg_that_ignores_the_one_behind_scores_its_duty_factor():
     rng = np.random.default_rng(1)
     events = walk(0.0, n=4000)

@@ -105,6 +105,19 @@ def test_conditions_that_are_not_told_apart_are_named(tmp_path):
     assert not [note for note in notes if "not told apart" in note]
 
 
+def test_stances_by_position_beside_stances_by_contact_are_said(tmp_path):
+    rows = write_study(tmp_path, "group", {"ctl": "abc", "les": "xyz"})
+    notes, _, _ = analyse(tmp_path, rows)
+    assert not [note for note in notes if note.startswith("stance is from")]
+    for row in rows[3:]:
+        path = tmp_path / row["file"]
+        pd.read_csv(path).replace({"TD": "AEP", "LO": "PEP"}).to_csv(path, index=False)
+    notes, _, _ = analyse(tmp_path, rows)
+    (note,) = [note for note in notes if note.startswith("stance is from")]
+    by_contact = "TD to LO in ctl-a, ctl-b, ctl-c"
+    assert note.startswith(f"stance is from {by_contact} and AEP to PEP in les-x, les-y, les-z: ")
+
+
 def test_what_does_not_vary_between_animals_is_not_tested(tmp_path):
     """Whole frames at a low rate: all animals of a group have one duty factor."""
     rows = []
