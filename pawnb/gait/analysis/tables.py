@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
@@ -315,7 +316,9 @@ def build_tables(
     strides = measure_support(strides, events, signals=signals)
     phases, no_phases = build_phases(events, strides, chosen, start_event=start)
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
-    remarks = [*notes, *say_implausible(strides)]
+    times = signals[0].time_s if signals else ()
+    fps = 1.0 / float(np.median(np.diff(times))) if len(times) > 1 else None
+    remarks = [*notes, *say_implausible(strides, fps=fps)]
     if not chosen:
         remarks.append("no pair of legs by name; name them with pairs for phases.")
     return GaitTables(

@@ -55,6 +55,24 @@ def test_duty_factors_that_are_far_apart_are_said():
     assert say_implausible(strides[strides["leg"] == "HR"]) == []
 
 
+@pytest.mark.parametrize(
+    ("fps", "duty", "few"),
+    [(30.0, 0.8, True), (60.0, 0.8, True), (250.0, 0.8, False), (60.0, 0.5, False)],
+)
+def test_swings_of_too_few_frames_to_tell_a_duty_factor_are_said(fps, duty, few):
+    walk = Walk(duty=duty, period=0.25)
+    tables = analyse(walk.tracks(fps=fps, noise=0.2), belt_speed=300.0)
+    said = [note for note in tables.notes if "too long, and duty factors up to" in note]
+    assert len(said) == int(few)
+    # the true duty factor follows from the profile of the swing (walking.py)
+    away = walk.exact_duty - tables.strides["duty_factor"].mean()
+    assert (away > 0.03) == few
+    if few:
+        assert "swings of FR, HR, FL, HL have" in said[0]
+        told = float(said[0].split("duty factors up to ")[1].split()[0])
+        assert away < told + 0.005
+
+
 def test_a_body_that_goes_backwards_is_said():
     strides = pd.DataFrame({"leg": "FR", "frequency_hz": 5.0, "duty_factor": 0.6,
                             "speed": [-3.0, 2.0, -0.5, 4.0]})  # fmt: skip
