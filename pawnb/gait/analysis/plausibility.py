@@ -17,6 +17,12 @@ _STILL_OF_DISTANCE = 0.03
 _DUTY_APART = 0.15
 """Contact begins after AEP and ends before PEP, in running mice by up to 0.12 of a stride."""
 
+_EXCURSIONS_VARY = 0.28
+_PERIODS_VARY = 0.4
+"""Coefficients of variation within a leg, the median of legs. Strides that are jitter (white, of
+10 % of the stride length and more) vary by 0.3 to 0.4 and 0.5 to 0.8; those of a fly that turns and
+stops on a ball by 0.15 and 0.26."""
+
 _FEW_FRAMES = 3.5
 _SHORT_SHARE = 0.42
 _FRAMES_OFF = 0.9
@@ -43,12 +49,13 @@ def say_implausible(strides: pd.DataFrame, *, fps: float | None = None) -> list[
         One sentence each: where feet move by less than 3 % of the largest distance between them,
         where legs differ by more than 15 % in their median frequency, where
         the duty factors of a leg from AEP to PEP and from touch-down to lift-off differ by more
-        than 0.15, where the body goes backwards, and where swings (or stances) have so few frames
-        that they come out too long.
+        than 0.15, where the body goes backwards, where the strides of a leg are as unlike each
+        other as jitter makes them, and where swings (or stances) have so few frames that they come
+        out too long.
     """
     return [
         *_still(strides), *_frequencies(strides), *_duties(strides), *_backwards(strides),
-        *_few_frames(strides, fps),
+        *_unlike(strides), *_few_frames(strides, fps),
     ]  # fmt: skip
 
 
@@ -115,6 +122,22 @@ def _backwards(strides: pd.DataFrame) -> Iterator[str]:
             f"{backwards} of {len(strides)} strides have a negative speed: the animal goes "
             "backwards, or it runs on a belt whose speed is not known (belt_speed, substrate), "
             "or forward is the wrong way round."
+        )
+
+
+def _unlike(strides: pd.DataFrame) -> Iterator[str]:
+    """Say where strides are unlike each other in length and duration, as those of jitter are."""
+    if not {"excursion", "period_s"} <= {*strides} or not strides["excursion"].notna().any():
+        return
+    own = strides.groupby("leg", sort=False)[["excursion", "period_s"]]
+    varies = (own.std() / own.mean())[own.count()["excursion"] > _LEAST_STRIDES]
+    excursion, period = varies.median()
+    if excursion > _EXCURSIONS_VARY and period > _PERIODS_VARY:
+        yield (
+            f"strides of one leg differ by {excursion:.0%} in excursion and {period:.0%} in "
+            "period (coefficients of variation, the median of legs). Where the animal went "
+            "steadily, many of them are the jitter of the tracks: look at the figures of the legs, "
+            "and lower cutoff_hz or raise min_excursion."
         )
 
 

@@ -10,10 +10,16 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
-from pawnb.signals import fill_gaps, find_turns
+from pawnb.signals import butterworth_lowpass, fill_gaps, find_turns
 
 _UNFILTERED_ABOVE = 0.35
 """No filter where its cut-off would be above this share of the sampling rate."""
+
+_CUTOFF_STRIDES = 10.0
+"""Low-pass of the feet, in stride frequencies."""
+
+_FEWER = 0.9
+"""Steps that a low-pass leaves by less than this share were jitter; periods are whole samples."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,8 +66,8 @@ def choose_scales(settings: EventSettings, frequency_hz: float, fs_hz: float) ->
         return default if value is None else value
 
     cutoff = settings.cutoff_hz
-    if cutoff is None and 10.0 * stride <= _UNFILTERED_ABOVE * fs_hz:
-        cutoff = 10.0 * stride
+    if cutoff is None and _CUTOFF_STRIDES * stride <= _UNFILTERED_ABOVE * fs_hz:
+        cutoff = _CUTOFF_STRIDES * stride
     return Scales(
         cutoff_hz=cutoff,
         body_cutoff_hz=asked(settings.body_cutoff_hz, stride / 3.0),
@@ -129,6 +135,11 @@ def stepping_frequency(
 ) -> float:
     """Count steps: the inverse of the median time between the AEP of a foot.
 
+    The jitter of tracks makes turns of its own, and a low-pass set from their frequency would not
+    take them away. So steps are counted again after the low-pass that their frequency asks for,
+    until that takes none away. Where fewer are left after the low-pass that the guess asks for,
+    and as many as the guess says, it is these.
+
     Parameters
     ----------
     position : ndarray, shape (n, k)
@@ -138,17 +149,39 @@ def stepping_frequency(
     fs_hz : float
         Sampling rate.
     guess : float
-        What to return where no foot turns twice.
+        Stride frequency as the spectrum has it; returned where no foot turns twice.
 
     Returns
     -------
     float
         Stride frequency in Hz.
     """
+    filled = fill_gaps(position, max_gap=len(position))
+
+    def count_after(frequency: float) -> float:
+        """Count steps after the low-pass that a stride frequency asks for."""
+        cutoff = min(_CUTOFF_STRIDES * frequency, _UNFILTERED_ABOVE * fs_hz)
+        smooth = butterworth_lowpass(filled, cutoff_hz=cutoff, fs_hz=fs_hz)
+        return _turning_frequency(smooth, settings, fs_hz)
+
+    frequency = _turning_frequency(filled, settings, fs_hz)
+    if not math.isfinite(frequency):
+        return guess
+    while (slower := count_after(frequency)) < _FEWER * frequency:
+        frequency = slower
+    if 0.0 < guess < _FEWER * frequency:
+        guessed = count_after(guess)
+        if _FEWER <= guessed / guess <= 1.0 / _FEWER:
+            return guessed
+    return frequency
+
+
+def _turning_frequency(position: FloatArray, settings: EventSettings, fs_hz: float) -> float:
+    """Return the inverse of the median time between the AEP of a foot; NaN without any."""
     periods: list[float] = []
     for column in position.T:
         least = least_excursion(column, settings)
         if least > 0.0:
-            turns = find_turns(fill_gaps(column, max_gap=len(column)), min_excursion=least)
+            turns = find_turns(column, min_excursion=least)
             periods += np.diff(turns[turns[:, 1] > 0, 0]).tolist()
-    return fs_hz / float(np.median(periods)) if periods else guess
+    return fs_hz / float(np.median(periods)) if periods else math.nan

@@ -73,6 +73,15 @@ def test_swings_of_too_few_frames_to_tell_a_duty_factor_are_said(fps, duty, few)
         assert away < told + 0.005
 
 
+@pytest.mark.parametrize(("noise", "jitter"), [(0.2, False), (3.0, False), (15.0, True)])
+def test_strides_that_are_jitter_are_said_to_be_unlike_each_other(noise, jitter):
+    """Of 15 strides a leg, 15 are found with a noise of 4 % of their length, and 200 with 20 %."""
+    walk = Walk(period=0.25, duty=0.4)
+    tables = analyse(walk.tracks(fps=250.0, noise=noise, duration=4.0), belt_speed=300.0)
+    assert any("jitter of the tracks: look" in note for note in tables.notes) == jitter
+    assert (len(tables.strides) > 200) == jitter
+
+
 def test_a_body_that_goes_backwards_is_said():
     strides = pd.DataFrame({"leg": "FR", "frequency_hz": 5.0, "duty_factor": 0.6,
                             "speed": [-3.0, 2.0, -0.5, 4.0]})  # fmt: skip
