@@ -48,12 +48,13 @@ def turn_of_frame(frame: Any) -> Turn | None:
         The frame; its display matrix maps (u, v) to (a u + c v, b u + d v), as in
         ISO/IEC 14496-12, 8.3.2.
     """
-    for data in frame.side_data:
-        if data.type.name == "DISPLAYMATRIX":
-            a, b, _, c, d = np.sign(np.frombuffer(bytes(data), np.int32)[:5]).tolist()
-            if (a and d and not b and not c) or (b and c and not a and not d):
-                turn = Turn(not a, (a or c) < 0, (d or b) < 0)
-                return turn if any(turn) else None
+    # by its name: PyAV up to 18 lists what stands beside a picture, and from 19 on its kinds
+    data = frame.side_data.get("DISPLAYMATRIX")
+    if data is not None:
+        a, b, _, c, d = np.sign(np.frombuffer(bytes(data), np.int32)[:5]).tolist()
+        if (a and d and not b and not c) or (b and c and not a and not d):
+            turn = Turn(not a, (a or c) < 0, (d or b) < 0)
+            return turn if any(turn) else None
     return None
 
 

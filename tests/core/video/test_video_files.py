@@ -350,7 +350,7 @@ def write_two(path, *, is_cover):
         ]
         copies = [out.add_stream_from_template(i.streams.video[0]) for i in inputs]
         if is_cover:
-            copies[1].disposition = av.stream.Disposition.attached_pic
+            copies[1].disposition = av.stream.Disposition.attached_pic.value
         for source, copy in zip(inputs, copies, strict=True):
             for packet in source.demux(video=0):
                 if packet.size:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import struct
 from fractions import Fraction
+from types import SimpleNamespace
 
 import av
 import numpy as np
 import pytest
 from video_clips import plain_reading, write_clip, write_h264, write_mjpeg
 
+from pawnb.core.pixels.turned import turn_of_frame
 from pawnb.core.video import VideoFile, open_view
 from pawnb.trial import View
 
@@ -87,3 +89,11 @@ def test_pictures_that_are_interlaced_are_said(tmp_path):
     (note,) = VideoFile(tmp_path / "clip.mp4").notes
     assert "interlaced" in note
     assert "doubles fps" in note
+
+
+def test_side_data_that_list_their_kinds_are_read():
+    # PyAV 19: side_data is a mapping of kinds to data, where those before listed the data
+    data = struct.pack("9i", 0, 65536, 0, -65536, 0, 0, 0, 0, 1 << 30)
+    told = {"SEI_UNREGISTERED": b"", "DISPLAYMATRIX": data}
+    assert turn_of_frame(SimpleNamespace(side_data=told)).words == "turned by 90 degrees clockwise"
+    assert turn_of_frame(SimpleNamespace(side_data={"SEI_UNREGISTERED": b""})) is None
