@@ -19,6 +19,7 @@ from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
 from pawnb.io.dltdv_out import write_dltdv_points, write_dltdv_points3d
 from pawnb.io.locomouse import read_locomouse
 from pawnb.io.locomouse_out import write_locomouse
+from pawnb.io.motion_capture import read_qtm, read_trc, read_vicon
 from pawnb.io.movement import write_movement
 from pawnb.io.nwb import read_nwb, write_nwb
 from pawnb.io.sleap import read_sleap
@@ -177,6 +178,18 @@ TABLE: tuple[Format, ...] = (
     Format(
         name="c3d", title="C3D", endings=(".c3d",), holds="space", says_fps=True, extra="c3d",
         read=read_c3d, reads_with=_UNIT, write=write_c3d,
+    ),
+    Format(
+        name="trc", title="OpenSim .trc", endings=(".trc",), holds="space", says_fps=True,
+        read=read_trc, reads_with=_UNIT,
+    ),
+    Format(
+        name="qtm", title="Qualisys .tsv", endings=(".tsv",), holds="space", says_fps=True,
+        read=read_qtm, reads_with=_UNIT,
+    ),
+    Format(
+        name="vicon", title="Vicon Nexus .csv", endings=(".csv",), holds="space", says_fps=True,
+        read=read_vicon, reads_with=_UNIT,
     ),
     Format(
         name="locomouse", title="LocoMouse .mat", endings=(".mat",), holds="views",

@@ -58,7 +58,8 @@ def recognise_format(path: str | Path) -> str:
             f"{path.name}: not tracks that are read here; expected tracks.nc, tracks.csv, "
             "points3d.csv, or a file of DeepLabCut, Lightning Pose (.csv, .h5), SLEAP (.slp, .h5, "
             ".csv), Anipose (.csv), DLTdv, Argus (xypts.csv, xyzpts.csv), movement (.nc), NWB, "
-            "C3D or LocoMouse (.mat), or a csv with frame and <point>_x, <point>_y (and _z) of "
+            "C3D, OpenSim (.trc), Qualisys (.tsv), Vicon (.csv) or LocoMouse (.mat), or a csv with "
+            "frame and <point>_x, <point>_y (and _z) of "
             "every point."
         )
     return found

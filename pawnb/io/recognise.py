@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import io
 import re
 from pathlib import Path
 
@@ -16,7 +15,9 @@ from pawnb.io.authors2019 import HEADER_LINES
 from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, LABELS_GROUP, program_of
 from pawnb.io.dltdv import sparse_kind
 from pawnb.io.hdf5 import open_hdf5
+from pawnb.io.motion_capture import motion_capture_format
 from pawnb.io.nwb import is_nwb
+from pawnb.io.separators import header_lines, separator_of
 from pawnb.io.tables import read_column_names
 from pawnb.io.wide import is_wide_table
 
@@ -43,8 +44,7 @@ def find_format(path: str | Path) -> str | None:
     Raises
     ------
     InputError
-        If there is no such file, it is empty, damaged HDF5, text in UTF-16, or a table whose cells
-        are separated by semicolons or tabs.
+        If there is no such file, it is empty, damaged HDF5, or text in UTF-16.
     """
     path = check_file(path, expected=_EXPECTED)
     try:
@@ -99,7 +99,9 @@ def _rows_have_names(group: h5py.Group) -> bool:
 
 def _find_in_text(path: Path, head: bytes) -> str | None:
     """Tell tables apart by their first lines."""
-    lines = head.decode("utf-8-sig", "replace").splitlines()
+    lines = header_lines(head.decode("utf-8-sig", "replace"))
+    if (capture := motion_capture_format(lines)) is not None:
+        return capture
     if len(lines) > HEADER_LINES and lines[HEADER_LINES].startswith("Frames,First Camera"):
         return "authors2019"
     if len(lines) > 1 and "\t" in lines[1] and len(lines[1].split()) == 3:
@@ -107,7 +109,8 @@ def _find_in_text(path: Path, head: bytes) -> str | None:
         if kind is not None:
             return {"xypts": "dltdv", "xyzpts": "dltdv-3d"}.get(kind)
         names = [cell.strip() for cell in re.split(r"[,\t]", lines[0])]
-        return _find_dltdv(names)
+        if (found := _find_dltdv(names)) is not None:
+            return found
     names = read_column_names(path, expected="tracks as csv")
     if names[:1] == ["scorer"]:
         return _find_deeplabcut(lines, names)
@@ -117,7 +120,8 @@ def _find_in_text(path: Path, head: bytes) -> str | None:
 def _find_deeplabcut(lines: list[str], names: list[str]) -> str:
     """Tell predictions, labels and those of Lightning Pose apart."""
     header = 4 if len(lines) > 1 and lines[1].startswith("individuals") else 3
-    first = next(csv.reader(io.StringIO(lines[header])), [""]) if len(lines) > header else [""]
+    mark = separator_of(lines[0])
+    first = next(csv.reader(lines[header : header + 1], delimiter=mark), [""])
     if names[1:2] == [""] or re.search(r"\.(png|jpe?g|tiff?|bmp)$", first[0]):
         return "collected"
     own = len(names) < 2 or program_of(names[1]) == DEEPLABCUT

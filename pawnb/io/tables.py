@@ -18,6 +18,7 @@ import pandas as pd
 from pawnb.arrays import AnyArray
 from pawnb.errors import InputError
 from pawnb.files import check_file, read_text, write_whole
+from pawnb.io.separators import header_lines, separator_of, with_commas
 from pawnb.schema import MOST_FRAMES, check_columns
 
 DECIMALS = {
@@ -27,12 +28,6 @@ DECIMALS = {
 any tracker can tell. Other columns are written in full."""
 
 _LONGEST_LINE = 2**22
-_OF_REGION = {
-    "\t": "",
-    ";": " (a spreadsheet writes semicolons where its decimal mark is a comma: set its region to "
-    "English first)",
-}
-"""What to do about separators, beside saving anew."""
 
 
 def write_text(text: str, path: str | Path) -> Path:
@@ -101,49 +96,19 @@ def read_table_text(
     Returns
     -------
     str
-        The whole text, without byte order mark, line ends as ``\\n``.
+        The whole text, without byte order mark, line ends as ``\\n``, commas between the cells and
+        points in the numbers, also where the file has semicolons or tabs and decimal commas.
 
     Raises
     ------
     InputError
-        If the file cannot be read as text, or its cells are separated by semicolons or tabs.
+        If the file cannot be read as text, or it is not to be told which sign is its decimal mark.
     """
     text = read_text(path, expected=expected, error=error)
     name = Path(path).name
     if "\0" in text:
         raise error(f"{name}: not text, it holds zero bytes; expected {expected}.")
-    first = next(iter(text.split("\n", skip_lines + 1)[skip_lines:]), "")
-    check_separator(first, where=name, expected=expected, error=error)
-    return text
-
-
-def check_separator(
-    line: str, *, where: str, expected: str, error: type[InputError] = InputError
-) -> None:
-    """Refuse a table with semicolons or tabs between its cells, by its first line.
-
-    Parameters
-    ----------
-    line : str
-        The line.
-    where : str
-        How the message names the file.
-    expected : str
-        What it should be.
-    error : type
-        Kind of InputError to raise.
-
-    Raises
-    ------
-    InputError
-        If there are more of them in it than commas.
-    """
-    for mark, word in ((";", "semicolons"), ("\t", "tabs")):
-        if line.count(mark) > line.count(","):
-            raise error(
-                f"{where}: cells are separated by {word}; expected {expected}: save it as csv with "
-                f"commas between the cells and points in the numbers{_OF_REGION[mark]}."
-            )
+    return with_commas(text, where=name, first=skip_lines, error=error)
 
 
 def read_column_names(path: str | Path, *, expected: str) -> list[str]:
@@ -164,18 +129,19 @@ def read_column_names(path: str | Path, *, expected: str) -> list[str]:
     Raises
     ------
     InputError
-        If the file cannot be read, or its cells are separated by semicolons or tabs.
+        If the file cannot be read.
     """
     path = check_file(path, expected=expected)
     try:
         with path.open("rb") as file:
             first = file.readline(_LONGEST_LINE).decode("utf-8-sig")
-        cells = next(csv.reader([first]), [])
+            if not header_lines(first):
+                first = file.readline(_LONGEST_LINE).decode("utf-8-sig")
+        cells = next(csv.reader([first], delimiter=separator_of(first)), [])
     except (OSError, UnicodeDecodeError, csv.Error):
         return []
     if "\0" in first:
         return []
-    check_separator(first, where=path.name, expected=expected)
     return [cell.strip() for cell in cells]
 
 

@@ -223,14 +223,32 @@ def test_a_byte_order_mark_is_no_part_of_a_name(tmp_path, kind):
 
 
 @pytest.mark.parametrize("kind", ["deeplabcut csv", "wide table", "tracks.csv", "anipose"])
-@pytest.mark.parametrize(("mark", "word"), [(";", "semicolons"), ("\t", "tabs")])
-def test_other_separators_are_named(tmp_path, kind, mark, word):
+@pytest.mark.parametrize(("mark", "decimal"), [(";", ","), (";", "."), ("\t", ","), ("\t", ".")])
+@pytest.mark.parametrize("first", ["", "sep={}\n"])
+def test_tables_of_spreadsheets_of_other_regions_hold_the_same(
+    tmp_path, kind, mark, decimal, first
+):
     name, write = WRITERS[kind]
     path = write(tmp_path / name, range(6))
-    path.write_text(path.read_text().replace(".", "§").replace(",", mark).replace("§", ","))
-    for read in (read_any_tracks, read_source):
-        with pytest.raises(InputError, match=f"separated by {word}; expected .*with commas"):
-            read(path, fps=FPS)
+    plain = read_any_tracks(path, fps=FPS)
+    text = path.read_text().replace(".", "§").replace(",", mark).replace("§", decimal)
+    path.write_bytes((first.format(mark) + text).replace("\n", "\r\n").encode())
+    assert read_any_tracks(path, fps=FPS).equals(plain)
+    assert read_source(path, fps=FPS).tracks.equals(plain)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("frame;FR_x;FR_y\n0;1.5;2\n1;2,5;2\n", r"1\.5 in line 2 and 2,5; .* semicolons"),
+        ("frame\tFR_x\tFR_y\n0\t1,500\t2\n", "such as 1,500, which may be thousands or decimals"),
+        ("frame;FR_x;FR_y\n0;1.234,5;2\n", r"column 'FR_x' is '1\.234,5'; expected a number"),
+    ],
+)
+def test_a_decimal_mark_that_is_not_told_is_refused(tmp_path, text, message):
+    (tmp_path / "points.csv").write_text(text)
+    with pytest.raises(InputError, match=message):
+        read_any_tracks(tmp_path / "points.csv", fps=FPS)
 
 
 @pytest.mark.parametrize("word", ["inf", "-inf", "1e999", "Infinity"])
@@ -283,9 +301,11 @@ def test_a_coefficient_that_no_camera_has_is_refused(tmp_path, cell, message):
     (tmp_path / "DLTcoefs.csv").write_text("\n".join(",".join(row) for row in rows) + "\n")
     with pytest.raises(CalibrationError, match=message):
         read_coefs(tmp_path / "DLTcoefs.csv", ["a", "b"])
-    (tmp_path / "DLTcoefs.csv").write_text("\n".join(";".join(row) for row in rows) + "\n")
-    with pytest.raises(CalibrationError, match="separated by semicolons"):
+    (tmp_path / "DLTcoefs.csv").write_text("1,5;2.5\n" * 11)
+    with pytest.raises(CalibrationError, match="which of the two is the decimal mark is not told"):
         read_coefs(tmp_path / "DLTcoefs.csv", ["a", "b"])
+    (tmp_path / "DLTcoefs.csv").write_text("1,5;2,5\n" * 11)
+    assert read_coefs(tmp_path / "DLTcoefs.csv", ["a", "b"])[3].tolist() == [1.5, 2.5]
 
 
 @pytest.mark.parametrize(

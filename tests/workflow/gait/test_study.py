@@ -356,14 +356,29 @@ def test_a_trial_without_its_file_is_named_by_its_line(tmp_path):
 
 
 @pytest.mark.parametrize(
-    "text",
-    ["file;animal;mass_g\none.csv;m1;20,5\n", "file;animal;note, remark\none.csv;m1;slow\n",
-     "sep=;\nfile;animal\none.csv;m1\n"],
-)  # fmt: skip
-def test_a_study_of_a_spreadsheet_with_semicolons_is_told_how_to_save_it(tmp_path, text):
+    ("text", "fields"),
+    [
+        ("file;animal;mass_g\none.csv;m1;20,5\n", {"mass_g": 20.5}),
+        ("file;animal;note, mine\none.csv;m1;slow, fast\n", {"note, mine": "slow, fast"}),
+        ("sep=;\nfile;animal\none.csv;m1\n", {}),
+        ("file\tanimal\tmass_g\none.csv\tm1\t20.5\n", {"mass_g": 20.5}),
+    ],
+)
+def test_a_study_of_a_spreadsheet_of_another_region_is_read(tmp_path, text, fields):
+    scored(tmp_path / "one.csv")
     (tmp_path / "study.csv").write_text(text)
-    with pytest.raises(InputError, match=r"separated by semicolons.*decimal"):
-        run_gait(tmp_path / "study.csv")
+    assert is_study(tmp_path / "study.csv")
+    (trial,) = read_study(tmp_path / "study.csv").trials
+    assert (trial.path.name, trial.animal, dict(trial.fields)) == ("one.csv", "m1", fields)
+
+
+def test_events_of_a_spreadsheet_of_another_region_are_read(tmp_path):
+    scored(tmp_path / "one.csv")
+    plain = read_source(tmp_path / "one.csv", fps=200.0).events
+    text = (tmp_path / "one.csv").read_text()
+    (tmp_path / "one.csv").write_text(text.replace(",", ";").replace(".", ","))
+    told = read_source(tmp_path / "one.csv", fps=200.0).events
+    pd.testing.assert_frame_equal(plain, told)
 
 
 def test_a_study_whose_columns_are_in_capitals_is_told_their_names(tmp_path):

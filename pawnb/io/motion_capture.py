@@ -1,0 +1,352 @@
+"""Markers of motion capture as text: OpenSim's .trc, .tsv of Qualisys (QTM) and .csv of Vicon."""
+
+from __future__ import annotations
+
+import csv
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pawnb.arrays import FloatArray, IntArray
+from pawnb.errors import InputError, InputWarning
+from pawnb.files import read_text
+from pawnb.io.lengths import units_per_unit
+from pawnb.io.points import build_tracks
+from pawnb.schema import Tracks
+
+_TRC, _QTM = "a .trc with markers, as OpenSim reads it", "a .tsv with 3D markers, as QTM writes it"
+_VICON = "a .csv with Trajectories, as Vicon Nexus writes it"
+_NO_PLACE = ("", "nan", "null")
+_SAME_RATE = 1e-3
+_ROWS_OF_NAMES = {"trajectory_types", "frame"}
+"""Rows of QTM between the names of its markers and their places."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Capture:
+    """What a file says: markers, rate, unit, number of rows, and its rows of cells below."""
+
+    where: str
+    program: str
+    markers: Sequence[str]
+    rate_hz: float
+    unit: str
+    rows: Sequence[tuple[int, Sequence[str]]]
+    counted: int
+    """Columns before the places: none, that of frames, or those of frames and times."""
+    n_rows: int | None = None
+
+
+def motion_capture_format(lines: Sequence[str]) -> str | None:
+    """Say which text of motion capture begins with these lines, None for no such.
+
+    Parameters
+    ----------
+    lines : sequence of str
+        The first lines of a file.
+
+    Returns
+    -------
+    str or None
+        ``"trc"``, ``"qtm"``, ``"vicon"`` or None.
+    """
+    first = lines[0] if lines else ""
+    if first.startswith("PathFileType"):
+        return "trc"
+    if first.startswith("NO_OF_FRAMES\t"):
+        return "qtm"
+    return "vicon" if first.strip(",\t ") == "Trajectories" else None
+
+
+def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
+    r"""Read markers of OpenSim, as Pose2Sim, OpenCap, Cortex and Motive write them, too.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.trc``.
+    fps : float, optional
+        Frames per second; default as the file says.
+    unit : str, optional
+        Unit of length that positions are brought to; default as the file says.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks in space without confidence. Axes are the file's own: in OpenSim y is up. The row
+        at time 0 is frame 0. Empty cells, NaN and (0, 0, 0) are markers that were not seen.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged, or its unit cannot be brought to that which is given.
+
+    Warns
+    -----
+    InputWarning
+        That y may be up, where no ``unit`` is given, as that of a trial with a calibration is; if
+        the file says another frame rate or number of rows.
+
+    Examples
+    --------
+    >>> text = '''PathFileType\t4\t(X/Y/Z)\tclip.trc
+    ... DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits
+    ... 100\t100\t2\t1\tmm
+    ... Frame#\tTime\tFR\t\t
+    ... \t\tX1\tY1\tZ1
+    ... 1\t0.00\t1.5\t0.5\t2.5
+    ... 2\t0.01\t1.6\t0.5\t2.5
+    ... '''
+    >>> Path("clip.trc").write_text(text) > 0
+    True
+    >>> pawnb.io.read_trc("clip.trc", unit="mm")["position"].values[0].ravel().tolist()
+    [1.5, 0.5, 2.5]
+    """
+    where = Path(path).name
+    rows = _rows(path, "\t", _TRC)
+    head = {cells[0]: i for i, (_, cells) in reversed(list(enumerate(rows[:6])))}
+    if "DataRate" not in head or "Frame#" not in head:
+        raise InputError(f"{where}: no lines DataRate and Frame#; expected {_TRC}.")
+    said = dict(zip(rows[head["DataRate"]][1], rows[head["DataRate"] + 1][1], strict=False))
+    at = head["Frame#"]
+    markers = [cell for cell in rows[at][1][2:] if cell]
+    below = at + 1
+    while below < len(rows) and not rows[below][1][0]:
+        below += 1  # the line of X1, Y1, Z1
+    if unit is None:
+        warnings.warn(
+            f"{where}: axes are the file's own, and in OpenSim y is up, which is taken to be z "
+            "elsewhere. Where it is y, name the file in a trial.toml of kind 'tracks' with "
+            'unit = "mm" (or what lengths shall be in) and up = [0, 1, 0] below [calibration].',
+            InputWarning,
+            stacklevel=2,
+        )
+    return _tracks(
+        _Capture(
+            where=where, program="OpenSim trc", markers=markers,
+            rate_hz=_number(said.get("DataRate"), "DataRate", where),
+            unit=said.get("Units") or "mm", rows=rows[below:], counted=2,
+            n_rows=int(_number(said.get("NumFrames"), "NumFrames", where)),
+        ),
+        fps, unit,
+    )  # fmt: skip
+
+
+def read_qtm(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
+    r"""Read markers of Qualisys Track Manager (QTM).
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.tsv`` of 3D data, with or without a header of its columns.
+    fps : float, optional
+        Frames per second; default as the file says.
+    unit : str, optional
+        Unit of length that positions are brought to; default mm, in which QTM writes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks in space without confidence; the first frame of the measurement is frame 0. Empty
+        cells, NULL and (0, 0, 0) are markers that were not seen.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged or holds no 3D data, or mm cannot be brought to the unit.
+
+    Warns
+    -----
+    InputWarning
+        If the file says another frame rate or number of rows.
+
+    Examples
+    --------
+    >>> text = "NO_OF_FRAMES\t1\nFREQUENCY\t100\nDATA_INCLUDED\t3D\nMARKER_NAMES\tFR\n1\t2\t3\n"
+    >>> Path("clip.tsv").write_text(text) > 0
+    True
+    >>> pawnb.io.read_qtm("clip.tsv")["position"].values.ravel().tolist()
+    [1.0, 2.0, 3.0]
+    """
+    where = Path(path).name
+    rows = _rows(path, "\t", _QTM)
+    at = next((i for i, (_, cells) in enumerate(rows) if cells[0] == "MARKER_NAMES"), None)
+    said = {cells[0]: (cells[1:] or [""])[0] for _, cells in rows[:at]}
+    if at is None or said.get("DATA_INCLUDED") != "3D":
+        raise InputError(
+            f"{where}: it holds {said.get('DATA_INCLUDED') or 'no'} data; expected {_QTM}: choose "
+            "3D data as QTM exports it."
+        )
+    begin, counted = at + 1, 0
+    while begin < len(rows) and rows[begin][1][0].lower() in _ROWS_OF_NAMES:
+        counted = 2 if rows[begin][1][0].lower() == "frame" else counted
+        begin += 1
+    return _tracks(
+        _Capture(
+            where=where, program="QTM", markers=[name for name in rows[at][1][1:] if name],
+            rate_hz=_number(said.get("FREQUENCY"), "FREQUENCY", where), unit="mm",
+            rows=rows[begin:], counted=counted,
+            n_rows=int(_number(said.get("NO_OF_FRAMES"), "NO_OF_FRAMES", where)),
+        ),
+        fps, unit,
+    )  # fmt: skip
+
+
+def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
+    r"""Read trajectories of Vicon Nexus.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.csv`` that begins with ``Trajectories``.
+    fps : float, optional
+        Frames per second; default as the file says.
+    unit : str, optional
+        Unit of length that positions are brought to; default as the file says.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks in space without confidence; frame 1 of the file is frame 0. Empty cells and
+        (0, 0, 0) are markers that were not seen. Markers are called without their subject.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged or of several subjects, or its unit cannot be brought to that
+        which is given.
+
+    Warns
+    -----
+    InputWarning
+        If the file says another frame rate.
+
+    Examples
+    --------
+    >>> text = "Trajectories\n100\n,,m07:FR,,\nFrame,Sub Frame,X,Y,Z\n,,mm,mm,mm\n1,0,1,2,3\n"
+    >>> Path("clip.csv").write_text(text) > 0
+    True
+    >>> pawnb.io.read_vicon("clip.csv")["keypoint"].values.tolist()
+    ['FR']
+    """
+    where = Path(path).name
+    rows = _rows(path, ",", _VICON)
+    lines = [cells for _, cells in rows[:5]]
+    if len(lines) < 5 or lines[3][:1] != ["Frame"]:
+        raise InputError(f"{where}: no line Frame, Sub Frame, X, Y, Z; expected {_VICON}.")
+    own = [i for i, cell in enumerate(lines[2]) if cell and "'" not in cell]
+    n = len(own)
+    if own != list(range(2, 2 + 3 * n, 3)):
+        raise InputError(f"{where}: markers stand in other columns; expected {_VICON}.")
+    subjects = list(dict.fromkeys(lines[2][i].rpartition(":")[0] for i in own))
+    if len(subjects) > 1:
+        raise InputError(
+            f"{where}: markers of {len(subjects)} subjects ({', '.join(subjects)}); export each "
+            "into a file of its own."
+        )
+    return _tracks(
+        _Capture(
+            where=where, program="Vicon", markers=[lines[2][i].rpartition(":")[2] for i in own],
+            rate_hz=_number(lines[1][0], "the rate", where), unit=lines[4][2] or "mm",
+            rows=[(i, cells[: 2 + 3 * n]) for i, cells in rows[5:]], counted=2,
+        ),
+        fps, unit, individual=subjects[0] or "animal",
+    )  # fmt: skip
+
+
+def _rows(path: str | Path, mark: str, expected: str) -> list[tuple[int, list[str]]]:
+    """Return the lines that hold anything, with their numbers; of Vicon to the first empty one."""
+    text = read_text(path, expected=expected)
+    found = []
+    for i, cells in enumerate(csv.reader(text.split("\n"), delimiter=mark), start=1):
+        row = [cell.strip() for cell in cells]
+        if any(row):
+            found.append((i, row))
+        elif mark == "," and len(found) > 5:
+            break  # force plates and model outputs follow
+    return found
+
+
+def _number(said: str | None, what: str, where: str) -> float:
+    """Return a number of the header above 0."""
+    try:
+        value = float(said or "")
+    except ValueError:
+        value = np.nan
+    if not 0 < value < np.inf:
+        raise InputError(f"{where}: {what} is {said!r}; expected a number above 0.")
+    return value
+
+
+def _tracks(
+    said: _Capture, fps: float | None, unit: str | None, *, individual: str = "animal"
+) -> Tracks:
+    """Make Tracks of what a file says."""
+    where, width = said.where, said.counted + 3 * len(said.markers)
+    if not said.rows or not said.markers:
+        raise InputError(f"{where}: no rows, or no markers; expected one row for each frame.")
+    cells = [[*row[:width], *[""] * (width - len(row))] for _, row in said.rows]
+    over = next((i for i, row in said.rows if any(row[width:])), None)
+    if over is not None:
+        raise InputError(
+            f"{where}: line {over} has more cells than the {len(said.markers)} markers need; mend "
+            "that line, or export the file again."
+        )
+    table = pd.Series([cell for row in cells for cell in row])
+    values = pd.to_numeric(table, errors="coerce").to_numpy(float).reshape(len(cells), width)
+    empty = table.str.lower().isin(_NO_PLACE).to_numpy(bool).reshape(values.shape)
+    empty = empty & (np.arange(width) >= said.counted)
+    if (bad := ~np.isfinite(values) & ~empty).any():
+        row, column = np.argwhere(bad)[0]
+        raise InputError(
+            f"{where}: line {said.rows[row][0]}, cell {column + 1} is {cells[row][column]!r}; "
+            "expected a number, or an empty cell."
+        )
+    _tell_doubts(said, fps)
+    place = values[:, said.counted :].reshape(len(cells), -1, 1, 3)
+    place = np.where((place == 0).all(axis=-1, keepdims=True), np.nan, place)
+    return build_tracks(
+        _frames(values[:, : said.counted], said),
+        place * (1.0 if unit is None else units_per_unit(said.unit, unit, where=where)),
+        points=said.markers,
+        fps=fps or said.rate_hz,
+        unit=unit or said.unit,
+        program=said.program,
+        where=where,
+        individuals=[individual],
+    )
+
+
+def _frames(counted: FloatArray, said: _Capture) -> IntArray:
+    """Return the number of each row's frame, from 0."""
+    if not said.counted:
+        return np.arange(len(counted))
+    numbers = np.rint(counted[:, 0]).astype(np.int64)
+    if said.program == "Vicon":  # its second column is no time
+        return numbers - 1
+    # Pose2Sim counts frames from 0, OpenSim and QTM from 1
+    first = numbers[0] - np.rint(counted[0, 1] * said.rate_hz)
+    return numbers - (int(first) if first in (0, 1) else 1)
+
+
+def _tell_doubts(said: _Capture, fps: float | None) -> None:
+    """Warn of another frame rate or number of rows than the file says."""
+    if fps is not None and abs(fps - said.rate_hz) > _SAME_RATE * said.rate_hz:
+        warnings.warn(
+            f"{said.where} says {said.rate_hz:g} frames per second, and fps is given as {fps:g}, "
+            "which is used: all times and speeds follow from it; correct fps where the file is "
+            "right.",
+            InputWarning,
+            stacklevel=4,
+        )
+    if said.n_rows is not None and said.n_rows != len(said.rows):
+        warnings.warn(
+            f"{said.where} says that it has {said.n_rows} frames, and has {len(said.rows)}: where "
+            "it was cut short, copy it again from where it is whole.",
+            InputWarning,
+            stacklevel=4,
+        )

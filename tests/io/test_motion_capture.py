@@ -1,0 +1,128 @@
+"""Text of motion capture systems, laid out as their programs write it."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+from pawnb.errors import InputError, InputWarning
+from pawnb.io import read_any_tracks, read_qtm, read_trc, read_vicon, recognise_format
+from pawnb.workflow.gait.sources import read_source
+
+PLACE = np.random.default_rng(5).uniform(1.0, 90.0, (4, 2, 3)).round(3)
+PLACE[2, 1] = np.nan
+
+
+def row(values, missing=""):
+    return [missing if np.isnan(v) else f"{v:.3f}" for v in values.ravel()]
+
+
+def trc(path, *, unit="mm", first=1, begin=0, n=4, missing="", markers="FR\t\t\tHR\t\t"):
+    """The lines of Pose2Sim's make_trc (first=0) and of OpenSim's own (first=1, an empty line)."""
+    lines = [
+        f"PathFileType\t4\t(X/Y/Z)\t{path.name}",
+        "DataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\tOrigDataStartFrame\t"
+        "OrigNumFrames",
+        f"200.00\t200.00\t{n}\t2\t{unit}\t200.00\t1\t{n}",
+        f"Frame#\tTime\t{markers}",
+        "\t\tX1\tY1\tZ1\tX2\tY2\tZ2" + ("\n" if first else ""),
+    ]
+    for i, place in enumerate(PLACE):
+        at = [str(begin + i + first), f"{(begin + i) / 200:.5f}"]
+        lines.append("\t".join([*at, *row(place, missing)]))
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def qtm(path, *, columns=False, missing="0.000", included="3D"):
+    """As the manual of QTM describes its TSV export, without and with the header of columns."""
+    names = ["FR", "HR"]
+    lines = ["NO_OF_FRAMES\t4", "NO_OF_CAMERAS\t8", "NO_OF_MARKERS\t2", "FREQUENCY\t200",
+             "NO_OF_ANALOG\t0", "ANALOG_FREQUENCY\t0", "DESCRIPTION\t--",
+             "TIME_STAMP\t2025-01-01, 10:00:00.000\t12345.6", f"DATA_INCLUDED\t{included}",
+             "MARKER_NAMES\t" + "\t".join(names)]  # fmt: skip
+    if columns:
+        lines += [
+            "TRAJECTORY_TYPES\tMeasured\tMeasured",
+            "Frame\tTime\t" + "\t".join(f"{k} {a}" for k in names for a in "XYZ"),
+        ]
+    for i, place in enumerate(PLACE):
+        at = [str(i + 1), f"{i / 200:.5f}"] if columns else []
+        lines.append("\t".join([*at, *row(place, missing)]))
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def vicon(path, *, subjects=("m07", "m07"), unit="mm", below=""):
+    lines = ["Trajectories", "200", f",,{subjects[0]}:FR,,,{subjects[1]}:HR,,",
+             "Frame,Sub Frame,X,Y,Z,X,Y,Z", ",,"+",".join([unit] * 6)]  # fmt: skip
+    lines += [",".join([str(i + 11), "0", *row(place)]) for i, place in enumerate(PLACE)]
+    path.write_text("\n".join(lines) + "\n" + below)
+    return path
+
+
+def check(tracks, *, first=0, factor=1.0):
+    place = tracks["position"].transpose("time", "keypoint", "space", "individual")[..., 0]
+    np.testing.assert_allclose(place, factor * PLACE)
+    assert tracks["keypoint"].to_numpy().tolist() == ["FR", "HR"]
+    assert tracks["frame"].to_numpy().tolist() == list(range(first, first + 4))
+    assert tracks.attrs["fps"] == 200.0
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("begin", [0, 30])
+@pytest.mark.parametrize("missing", ["", "NaN", "0.0"])
+def test_trc(tmp_path, first, begin, missing):
+    path = trc(tmp_path / "walk.trc", first=first, begin=begin, missing=missing)
+    assert recognise_format(path) == "trc"
+    with pytest.warns(InputWarning, match="in OpenSim y is up, which is taken to be z"):
+        check(read_any_tracks(path), first=begin)
+
+
+def test_trc_in_metres_comes_in_the_unit_of_its_trial(tmp_path):
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "a"\nfps = 200.0\n[animal]\nid = "m07"\n'
+        '[calibration]\nunit = "mm"\nup = [0, 1, 0]\n[tracks]\nfile = "walk.trc"\n'
+    )
+    trc(tmp_path / "walk.trc", unit="m")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        source = read_source(tmp_path / "trial.toml")
+    check(source.tracks, factor=1000.0)
+    assert source.tracks.attrs["units"] == "mm"
+
+
+@pytest.mark.parametrize("columns", [False, True])
+@pytest.mark.parametrize("missing", ["", "0.000", "NULL"])
+def test_qtm(tmp_path, columns, missing):
+    path = qtm(tmp_path / "walk.tsv", columns=columns, missing=missing)
+    assert recognise_format(path) == "qtm"
+    check(read_any_tracks(path))
+    assert read_any_tracks(path).attrs["units"] == "mm"
+
+
+def test_vicon(tmp_path):
+    path = vicon(
+        tmp_path / "walk.csv", below="\nModel Outputs\n200\n,,m07:Angle\nFrame\n,,deg\n1\n"
+    )
+    assert recognise_format(path) == "vicon"
+    tracks = read_any_tracks(path)
+    check(tracks, first=10)
+    assert tracks["individual"].to_numpy().tolist() == ["m07"]
+
+
+def test_what_is_wrong_with_motion_capture_is_one_sentence(tmp_path):
+    with pytest.raises(InputError, match=r"walk.tsv: it holds 6D data; expected .*choose 3D"):
+        read_qtm(qtm(tmp_path / "walk.tsv", included="6D"))
+    with pytest.raises(InputError, match=r"markers of 2 subjects \(m07, m08\); export each"):
+        read_vicon(vicon(tmp_path / "walk.csv", subjects=("m07", "m08")))
+    with pytest.raises(InputError, match=r"line 7 has more cells than the 1 markers need"):
+        read_trc(trc(tmp_path / "walk.trc", markers="FR\t\t"), unit="mm")
+    path = trc(tmp_path / "walk.trc")
+    path.write_text(path.read_text().replace(f"{PLACE[1, 0, 2]:.3f}", "x"))
+    with pytest.raises(InputError, match=r"walk.trc: line 8, cell 5 is 'x'; expected a number"):
+        read_trc(path, unit="mm")
+    with pytest.warns(InputWarning, match=r"says that it has 9 frames, and has 4"):
+        read_trc(trc(tmp_path / "walk.trc", n=9), unit="mm")
+    with pytest.warns(InputWarning, match=r"says 200 frames per second, and fps is given as 100"):
+        assert read_qtm(qtm(tmp_path / "walk.tsv"), fps=100.0).attrs["fps"] == 100.0
