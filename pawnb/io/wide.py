@@ -7,14 +7,20 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers, write_text
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, check_columns
 
 _COLUMN = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
+_CONFIDENCE = ("likelihood", "confidence", "score", "p")
+"""What is called so behind a point is its confidence; SimBA calls it p."""
+_INDEX = "Unnamed: 0"
+"""Column without a name, as pandas writes the numbers of the rows, and SimBA those of frames."""
 
 
 def is_wide_table(names: Sequence[str]) -> bool:
@@ -28,10 +34,12 @@ def is_wide_table(names: Sequence[str]) -> bool:
     Returns
     -------
     bool
-        True for ``frame`` and at least one point with x and y.
+        True for ``frame`` (or a first column without a name) and at least one point with x and y.
     """
     points = {m["point"] for name in names if (m := _COLUMN.fullmatch(name))}
-    return "frame" in names and any({f"{p}_x", f"{p}_y"} <= set(names) for p in points)
+    return ("frame" in names or list(names[:1]) == [""]) and any(
+        {f"{p}_x", f"{p}_y"} <= set(names) for p in points
+    )
 
 
 def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) -> Tracks:
@@ -41,7 +49,9 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     ----------
     path : str or Path
         A csv with columns ``frame`` and ``<point>_x, <point>_y``, in space also ``<point>_z``;
-        an empty cell is a point that was not seen. Other columns are left out.
+        an empty cell is a point that was not seen. A first column without a name is ``frame``,
+        as SimBA and pandas write it; ``<point>_likelihood``, ``_confidence``, ``_score`` or
+        ``_p`` is the confidence. Other columns are left out.
     fps : float
         Frames per second of the recording.
     unit : str, optional
@@ -50,7 +60,7 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     Returns
     -------
     xarray.Dataset
-        Tracks; the table gives no confidence, so that of a point that was seen is NaN. Frames
+        Tracks; where the table gives no confidence, that of a point that was seen is NaN. Frames
         without a row are missing, and the provenance says which they are.
 
     Raises
@@ -67,7 +77,10 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     ['FR']
     """
     where = Path(path).name
-    cells = read_cells(path, ("frame",))
+    cells = read_cells(path, ())
+    if "frame" not in cells and next(iter(cells), None) == _INDEX:
+        cells = cells.rename(columns={_INDEX: "frame"})
+    cells = check_columns(cells, ("frame",), where=where)
     found = [m for name in map(str, cells) if (m := _COLUMN.fullmatch(name))]
     points = list(dict.fromkeys(m["point"] for m in found))
     axes = "xyz" if any(m["axis"] == "z" for m in found) else "xy"
@@ -89,12 +102,23 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     return build_tracks(
         read_numbers(cells, "frame", where=where, whole=True),
         np.column_stack(columns).reshape(len(cells), len(points), 1, len(axes)),
+        _confidence(cells, points, where=where),
         points=points,
         fps=fps,
         unit=unit or ("mm" if len(axes) == 3 else "px"),
         program="table",
         where=where,
     )
+
+
+def _confidence(cells: pd.DataFrame, points: Sequence[str], *, where: str) -> FloatArray | None:
+    """Return the confidence of every point (n_rows, n_points, 1), None where none is told."""
+    told = np.full((len(cells), len(points), 1), np.nan)
+    for k, point in enumerate(points):
+        name = next((n for word in _CONFIDENCE if (n := f"{point}_{word}") in cells), None)
+        if name is not None:
+            told[:, k, 0] = read_numbers(cells, name, where=where, empty=True)
+    return told if np.isfinite(told).any() else None
 
 
 def write_wide_table(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:

@@ -240,6 +240,20 @@ def test_a_plain_table_of_points(tmp_path, axes):
         read_any_tracks(path, fps=10.0)
 
 
+@pytest.mark.parametrize(
+    ("first", "word"), [("frame", "likelihood"), ("", "p"), ("frame", "score")]
+)
+def test_a_plain_table_keeps_its_confidence(tmp_path, first, word):
+    # SimBA's csv: a first column without a name, then x, y and p of every point
+    path = tmp_path / "points.csv"
+    path.write_text(f"{first},FR_x,FR_y,FR_{word},HR_x,HR_y\n3,1,2,0.25,5,6\n4,1,2,,5,6\n")
+    assert recognise_format(path) == "table"
+    tracks = read_any_tracks(path, fps=10.0)
+    assert tracks["frame"].to_numpy().tolist() == [3, 4]
+    told = tracks["confidence"].to_numpy()[..., 0]
+    np.testing.assert_array_equal(told, [[0.25, np.nan], [np.nan, np.nan]])
+
+
 def test_real_claws_of_a_fly_in_a_plain_table(real_data):
     tracks = read_any_tracks(real_data("fly-6leg-contact") / "fly1_pose_aligned.csv", fps=100.0)
     assert tracks.sizes["keypoint"] == 24

@@ -30,6 +30,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
     get_foot_paths,
     least_confidence,
     notes_on_confidence,
+    notes_on_doubtful_places,
     notes_on_placeholders,
     notes_on_views,
 )
@@ -316,6 +317,7 @@ def _analyse_one(
     signals: list[LegSignals] = []
     notes = [
         *notes_on_placeholders(spaces), *notes_on_confidence(dense, least),
+        *notes_on_doubtful_places(dense, legs, individual=individual, least=least),
         *notes_on_views(dense, spaces),
     ]  # fmt: skip
     for space in spaces:

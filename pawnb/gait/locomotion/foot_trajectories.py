@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -11,8 +12,19 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks
 
-_LEAST_CONFIDENCE = dict.fromkeys(("DeepLabCut", "Lightning Pose", "Ensemble Kalman Smoother"), 0.6)
-"""Programs that give a place in every frame, and the confidence from which it is one."""
+_PLACES_EVERYWHERE = ("deeplabcut", "lightningpose", "ensemblekalmansmoother")
+"""Programs that give a place in every frame, as they are called in small letters without blanks:
+movement writes LightningPose, or DeepLabCut/LightningPose where it cannot tell them apart."""
+_SURE_ENOUGH = 0.6
+"""Confidence from which a place of these programs is one."""
+_OWN_SENSE = ("pawnb", "sleap")
+"""Programs whose confidence has another scale: theirs leave out themselves what is too low."""
+_LARGE_ERROR_PX = 5.0
+"""Reprojection error, the mean over the views, from which on Anipose itself gives points less
+weight (its default ``reproj_error_threshold``)."""
+_FEWEST_VIEWS = 2
+_TELLING_SHARE = 0.05
+"""Share of a leg's places from which on it is said that they are doubtful. Set by hand."""
 _LEAST_PLACEHOLDERS = 3
 """Frames in which a foot is exactly in the corner of the picture; no foot that moves is."""
 _USED_VARIABLES = ("position", "confidence", "image_position", "image_confidence")
@@ -66,7 +78,13 @@ def least_confidence(tracks: Tracks, given: float | None) -> float:
     """
     if given is not None:
         return given
-    return _LEAST_CONFIDENCE.get(str(tracks.attrs.get("source_software")), 0.0)
+    program = _program(tracks)
+    return _SURE_ENOUGH if any(name in program for name in _PLACES_EVERYWHERE) else 0.0
+
+
+def _program(tracks: Tracks) -> str:
+    """Return what made the tracks, in small letters without blanks."""
+    return re.sub(r"\s", "", str(tracks.attrs.get("source_software"))).lower()
 
 
 def notes_on_confidence(tracks: Tracks, least: float) -> list[str]:
@@ -90,6 +108,57 @@ def notes_on_confidence(tracks: Tracks, least: float) -> list[str]:
     if any(bool((one > 0.0).any()) for one in told):
         return [f"positions with a confidence below {least:g} count as missing."]
     return ["the tracks tell no confidence, so no position is left out for a low one."]
+
+
+def notes_on_doubtful_places(
+    tracks: Tracks, legs: Mapping[str, str], *, individual: str, least: float
+) -> list[str]:
+    """Say which feet have many places that another program doubts, and that count all the same.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks; ``residual`` and ``n_views`` are Anipose's.
+    legs : mapping
+        Names of legs to names of points.
+    individual : str
+        Which animal.
+    least : float
+        The confidence below which a position counts as missing.
+
+    Returns
+    -------
+    list of str
+        A note for each reason: a low confidence, a large reprojection error, too few views.
+    """
+    if "position" not in tracks or _program(tracks).startswith(_OWN_SENSE):
+        return []
+    one = tracks.sel(individual=individual)
+    known = one["position"].notnull().all("space")
+    doubts = {}
+    if least <= 0.0:
+        doubts[
+            f"a confidence below {_SURE_ENOUGH:g}; min_confidence={_SURE_ENOUGH:g} (--set) leaves "
+            "them out"
+        ] = one["confidence"] < _SURE_ENOUGH
+    if "n_views" in one:
+        doubts["been seen by fewer than two cameras, and were filled in"] = ~(
+            one["n_views"] >= _FEWEST_VIEWS
+        )
+        doubts[
+            f"a reprojection error above {_LARGE_ERROR_PX:g} px; look at them, or triangulate anew"
+        ] = one["residual"] > _LARGE_ERROR_PX
+    notes = []
+    for what, doubtful in doubts.items():
+        share = (doubtful & known).sum("time") / np.maximum(1, known.sum("time"))
+        found = [
+            f"{leg} {100 * float(share.sel(keypoint=point)):.0f} %"
+            for leg, point in legs.items()
+            if float(share.sel(keypoint=point)) >= _TELLING_SHARE
+        ]
+        if found:
+            notes.append(f"{', '.join(found)} of the places count though they have {what}.")
+    return notes
 
 
 def get_foot_paths(

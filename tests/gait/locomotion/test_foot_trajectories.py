@@ -10,6 +10,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
     get_foot_paths,
     least_confidence,
     notes_on_confidence,
+    notes_on_doubtful_places,
     notes_on_placeholders,
     notes_on_views,
 )
@@ -89,3 +90,41 @@ def test_feet_where_lost_points_are_put_are_told():
     zero, minus = notes_on_placeholders(get_foot_paths(tracks, legs))
     assert zero.startswith("exactly at (0, 0): FR in 4 frames. So some programs")
     assert minus.startswith("exactly at (-1, -1): FL in 3 frames.")
+
+
+@pytest.mark.parametrize(
+    ("program", "least"),
+    [("LightningPose", 0.6), ("DeepLabCut/LightningPose", 0.6), ("Lightning Pose", 0.6),
+     ("SLEAP", 0.0), ("Anipose", 0.0), ("pawnb", 0.0)],
+)  # fmt: skip
+def test_programs_are_known_as_movement_calls_them(program, least):
+    # movement 0.17, io/load.py: "LightningPose" and "DeepLabCut/LightningPose"
+    tracks = make_tracks(range(2), ["FR"], fps=100.0, source_software=program)
+    assert least_confidence(tracks, None) == least
+
+
+def doubtful(program="Anipose"):
+    """100 places of two feet: FR doubted in a fifth of them in every way, FL in two."""
+    tracks = make_tracks(range(100), ["FR", "FL"], fps=100.0, unit="mm", source_software=program)
+    tracks["position"].data[:] = 1.0
+    tracks["confidence"].data[:] = 0.9
+    tracks["confidence"].data[:20, 0], tracks["confidence"].data[:2, 1] = 0.1, 0.1
+    tracks["residual"].data[:] = 2.0
+    tracks["residual"].data[20:40, 0] = 30.0
+    tracks["n_views"] = tracks["residual"] * 0 + 3.0
+    tracks["n_views"].data[40:60, 0] = np.nan
+    return tracks
+
+
+def test_places_that_anipose_doubts_are_said():
+    told = {"legs": {"FR": "FR", "FL": "FL"}, "individual": "animal"}
+    low, few, far = notes_on_doubtful_places(doubtful(), **told, least=0.0)
+    assert low.startswith("FR 20 % of the places count though they have a confidence below 0.6")
+    assert few.startswith("FR 20 % of the places count though they have been seen by fewer than")
+    assert far.startswith("FR 20 % of the places count though they have a reprojection error")
+    assert notes_on_doubtful_places(doubtful(), **told, least=0.6) == [few, far]
+    assert notes_on_doubtful_places(doubtful("table").drop_vars("n_views"), **told, least=0.0) == [
+        low
+    ]
+    for program in ("SLEAP", "pawnb"):
+        assert notes_on_doubtful_places(doubtful(program), **told, least=0.0) == []
