@@ -173,7 +173,8 @@ TABLE: tuple[Format, ...] = (
     ),
     Format(
         name="nwb", title="NWB with ndx-pose", endings=(".nwb",), holds="view or space",
-        says_fps=True, extra="nwb", read=read_nwb, write=write_nwb, writes_with=_VIEW,
+        says_fps=True, extra="nwb", read=read_nwb, reads_with=_UNIT, write=write_nwb,
+        writes_with=_VIEW,
     ),
     Format(
         name="c3d", title="C3D", endings=(".c3d",), holds="space", says_fps=True, extra="c3d",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
+import warnings
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -11,11 +12,12 @@ from typing import Any
 import h5py
 import numpy as np
 
-from pawnb.arrays import IntArray
-from pawnb.errors import InputError
+from pawnb.arrays import FloatArray, IntArray
+from pawnb.errors import InputError, InputWarning
 from pawnb.files import whole_file
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import open_hdf5, read_array, read_texts
+from pawnb.io.lengths import units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
 from pawnb.io.points import build_tracks, plain_name
 from pawnb.schema import Tracks
@@ -23,8 +25,22 @@ from pawnb.schema import Tracks
 _EXPECTED = "NWB with poses of ndx-pose"
 _POSE, _SERIES = "PoseEstimation", "PoseEstimationSeries"
 _PIXELS = ("pixels", "pixel", "px", "")
+_UNITS = {
+    name: unit
+    for unit, names in {
+        "m": ("meter", "metre"), "cm": ("centimeter", "centimetre"),
+        "mm": ("millimeter", "millimetre"), "um": ("micrometer", "micrometre", "micron"),
+        "in": ("inch", "inche"),
+    }.items()
+    for word in names
+    for name in (word, f"{word}s")
+}  # fmt: skip
+"""Units written out, as NWB asks for them."""
 _OFF_FRAME = 0.01
-"""Times further than this part of a frame from a whole frame are no frame numbers."""
+"""A first time further than this part of a frame from a whole frame is that of another clock."""
+_OFF_STEP = 0.25
+"""Steps of time further than this part of a frame from whole frames are none; clocks jitter."""
+_SAME_RATE = 1e-3
 
 
 def is_nwb(file: h5py.File) -> bool:
@@ -32,7 +48,7 @@ def is_nwb(file: h5py.File) -> bool:
     return "nwb_version" in file.attrs or file.attrs.get("neurodata_type") == "NWBFile"
 
 
-def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
+def read_nwb(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     """Read poses of ndx-pose.
 
     Parameters
@@ -41,17 +57,27 @@ def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
         ``.nwb`` with one ``PoseEstimation`` in a processing module.
     fps : float, optional
         Frames per second; default as its time stamps say.
+    unit : str, optional
+        Unit of length that positions are brought to; default as the file says. Pixels stay pixels.
 
     Returns
     -------
     xarray.Dataset
         Tracks of the file's subject, points in the order of its skeleton; units as the file says
-        (pixels: px).
+        (pixels: px), its ``conversion`` and ``offset`` applied. Where time does not begin with a
+        whole frame, as that of a session's clock, the first row is frame 0.
 
     Raises
     ------
     InputError
-        If the file is damaged, holds no poses or several, or time stamps are no frames.
+        If the file is damaged, holds no poses or several, time stamps are no frames, or the unit
+        cannot be brought to that which is given.
+
+    Warns
+    -----
+    InputWarning
+        If places in space are said to be in pixels, which are taken to be in mm or in the unit
+        given, or the file says another frame rate than is given.
 
     Examples
     --------
@@ -72,7 +98,7 @@ def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
         if not series:
             raise InputError(f"{where}: no {_SERIES} in {group.name}; expected {_EXPECTED}.")
         names = _in_order(list(series), _skeleton_nodes(file, where))
-        data = [read_array(series[name], "data", where=where, ndim=2) for name in names]
+        data = [_places(series[name], where) for name in names]
         scores = [
             read_array(series[name], "confidence", where=where, ndim=1)
             if "confidence" in series[name]
@@ -82,18 +108,19 @@ def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
         if len({(values.shape, len(s)) for values, s in zip(data, scores, strict=True)}) != 1:
             raise InputError(f"{where}: points have different numbers of frames or axes.")
         rate, frames = _times(series[names[0]], len(data[0]), fps, where)
-        unit = str(series[names[0]]["data"].attrs.get("unit", "pixels"))
+        said = str(series[names[0]]["data"].attrs.get("unit", "pixels")).strip()
         subject, notes = _subject(file), _text(file.get("general/notes"))
         program = _text(group.get("source_software"))
     if data[0].shape[1] not in (2, 3):
         raise InputError(f"{where}: points have {data[0].shape[1]} axes; expected 2 or 3.")
+    own, factor = _unit(said, unit, data[0].shape[1], where)
     tracks = build_tracks(
         frames,
-        np.stack(data, axis=1).astype(float)[:, :, None],
+        factor * np.stack(data, axis=1)[:, :, None],
         np.stack(scores, axis=1).astype(float)[:, :, None],
         points=[plain_name(name) for name in names],
         fps=rate,
-        unit="px" if unit in _PIXELS else unit,
+        unit=own,
         program=program or "NWB",
         where=where,
         individuals=[subject or "animal"],
@@ -144,27 +171,70 @@ def _in_order(names: list[str], nodes: list[str]) -> list[str]:
     return [plain[name] for name in order] if sorted(order) == sorted(plain) else names
 
 
+def _places(series: h5py.Group, where: str) -> FloatArray:
+    """Return the places of a point in the unit that the file says: NWB keeps them scaled."""
+    data = read_array(series, "data", where=where, ndim=2).astype(float)
+    told = series["data"].attrs
+    return data * float(told.get("conversion", 1.0)) + float(told.get("offset", 0.0))
+
+
+def _unit(said: str, wanted: str | None, n_axes: int, where: str) -> tuple[str, float]:
+    """Return the unit of positions, and by what they are multiplied to be in it."""
+    if said.lower() in _PIXELS:
+        if n_axes == 2:
+            return "px", 1.0
+        warnings.warn(
+            f"{where}: positions in space that are said to be in pixels: lengths are taken to be "
+            f"in {wanted or 'mm'}. Where they are in another unit, name the file in a trial.toml "
+            "of kind 'tracks' with its unit below [calibration].",
+            InputWarning,
+            stacklevel=3,
+        )
+        return wanted or "mm", 1.0
+    own = _UNITS.get(said.lower(), said)
+    return wanted or own, 1.0 if wanted is None else units_per_unit(own, wanted, where=where)
+
+
 def _times(series: h5py.Group, n: int, fps: float | None, where: str) -> tuple[float, IntArray]:
     """Return the frame rate and the number of each frame."""
     if "timestamps" in series:
         times = read_array(series, "timestamps", where=where, ndim=1).astype(float)
-        step = float(np.median(np.diff(times))) if len(times) > 1 else np.nan
-        rate = fps or (round(1.0 / step, 6) if step > 0 else np.nan)
+        said = _rate_of(np.diff(times))
     else:
         start = series.get("starting_time")
         if not isinstance(start, h5py.Dataset) or start.shape != ():
             raise InputError(f"{where}: points have no time stamps; expected {_EXPECTED}.")
-        rate = fps or float(start.attrs.get("rate", np.nan))
-        times = float(start[()]) + np.arange(n) / rate
+        said = float(start.attrs.get("rate", np.nan))
+        times = float(start[()]) + np.arange(n) / (said if said > 0 else fps or np.nan)
+    rate = fps or said
     if not 0 < rate < np.inf or len(times) != n:
         raise InputError(f"{where}: no frame rate; give fps, the frames per second.")
-    frames = np.rint(times * rate)
-    if np.abs(times * rate - frames).max(initial=0.0) > _OFF_FRAME:
+    steps = np.diff(times) * rate
+    counts = np.rint(steps)
+    if not (np.abs(steps - counts) <= _OFF_STEP).all() or (counts < 1).any():
         raise InputError(
-            f"{where}: times fall between frames at {rate:g} frames per second; give the fps of "
-            "the recording."
+            f"{where}: times fall between frames at {rate:g} frames per second, or do not rise; "
+            "give the fps of the recording."
         )
-    return rate, frames.astype(np.int64)
+    if fps is not None and said > 0 and abs(fps - said) > _SAME_RATE * said:
+        warnings.warn(
+            f"{where} says {said:g} frames per second, and fps is given as {fps:g}, which is used: "
+            "all times and speeds follow from it; correct fps where the file is right.",
+            InputWarning,
+            stacklevel=3,
+        )
+    first = times[:1] * rate
+    first = np.where(np.abs(first - np.rint(first)) <= _OFF_FRAME, np.rint(first), 0.0)
+    return rate, np.concatenate([first, first + np.cumsum(counts)]).astype(np.int64)[:n]
+
+
+def _rate_of(steps_s: FloatArray) -> float:
+    """Return the frames per second of time stamps that may jitter, and leave frames out."""
+    step = float(np.median(steps_s)) if len(steps_s) else np.nan
+    if not 0 < step < np.inf:
+        return np.nan
+    n = np.rint(steps_s / step).sum()
+    return round(float(n / steps_s.sum()), 6) if n > 0 else np.nan
 
 
 def _subject(file: h5py.File) -> str:
@@ -228,7 +298,8 @@ def write_nwb(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     ndx: Any = need("ndx_pose", "nwb", what=f"to write {path.name}")
     own = take_view(tracks, view) if views_of(tracks) else take_space(tracks)
     own.only_animal("NWB")
-    unit = "pixels" if own.place.shape[-1] == 2 else str(own.attrs.get("units") or "mm")
+    unit = "px" if views_of(tracks) else str(own.attrs.get("units") or "mm")
+    unit = "pixels" if unit == "px" else unit
     subject = importlib.import_module("pynwb.file").Subject(subject_id=own.individuals[0])
     nwb = pynwb.NWBFile(
         session_description="animal tracked from video",
