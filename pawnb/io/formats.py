@@ -10,6 +10,7 @@ from pawnb.errors import InputError
 from pawnb.io.format_table import FORMATS, TABLE, WRITTEN, Format, find_entry
 from pawnb.io.outgoing import has_space, views_of
 from pawnb.io.recognise import find_format
+from pawnb.io.unread import say_unread
 from pawnb.schema import Tracks, check_fps
 
 __all__ = [
@@ -54,6 +55,8 @@ def recognise_format(path: str | Path) -> str:
     path = Path(path)
     found = find_format(path)
     if found is None:
+        if (told := say_unread(path)) is not None:
+            raise InputError(f"{path.name}: {told}.")
         raise InputError(
             f"{path.name}: not tracks that are read here; expected tracks.nc, tracks.csv, "
             "points3d.csv, or a file of DeepLabCut, Lightning Pose (.csv, .h5), SLEAP (.slp, .h5, "

@@ -15,6 +15,7 @@ from pawnb.errors import InputError
 from pawnb.files import read_bytes
 from pawnb.io.hdf5 import HDF5_FAULTS
 from pawnb.io.points import build_tracks
+from pawnb.io.unread import AS_TABLE
 from pawnb.schema import Tracks
 
 POINTS = ("FR", "HR", "FL", "HL", "snout")
@@ -61,7 +62,10 @@ def read_locomouse(path: str | Path, *, fps: float) -> Tracks:
     where = Path(path).name
     found = _load(path)
     if "final_tracks" not in found:
-        raise InputError(f"{where}: no final_tracks in it; expected {_EXPECTED}.")
+        raise InputError(
+            f"{where}: no final_tracks in it; expected {_EXPECTED}. Of another program, as DANNCE "
+            f"or LEAP: {AS_TABLE}."
+        )
     names, parts = list(POINTS), [_numbers(found["final_tracks"], where)]
     if parts[0].shape[1] != len(POINTS):
         raise InputError(

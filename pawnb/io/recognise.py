@@ -135,7 +135,7 @@ def _find_by_columns(names: list[str]) -> str | None:
         return "csv-3d"
     if {"frame", "view", "point", "u", "v"} <= columns:
         return "csv"
-    if {"track", "frame_idx"} <= columns:
+    if {"track", "frame_idx"} <= columns and "node" not in columns:
         return "sleap"
     if "fnum" in columns and any(_ANIPOSE.fullmatch(name) for name in names):
         return "anipose"
@@ -152,6 +152,8 @@ def _find_by_columns(names: list[str]) -> str | None:
 
 def _find_dltdv(names: list[str]) -> str | None:
     """Tell the tables of DLTdv apart."""
+    if "TRACK_ID" in names:
+        return None  # of TrackMate, with POSITION_X
     if any(_DLTDV_IMAGE.fullmatch(name) for name in names):
         return "dltdv"
     if sum(bool(_DLTDV_SPACE.fullmatch(name)) for name in names) >= 3:

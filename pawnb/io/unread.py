@@ -1,0 +1,106 @@
+"""Files of other programs that are not read here: named, with the way to a file that is."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import h5py
+
+from pawnb.errors import InputError
+from pawnb.io.hdf5 import open_hdf5
+
+_HEAD_BYTES = 2**16
+AS_TABLE = "write its points as csv with frame and <point>_x, <point>_y (and _z) of each"
+"""The way that is open from any program."""
+_BY_SLEAP_IO = "make a .slp of it by sleap-io: sio convert FILE -o clip.slp --from "
+_ONE_POINT = (
+    "it holds one point of each animal, and gait needs its feet: track them, in pawnb or elsewhere"
+)
+
+_BY_BYTES = (
+    (b"PK\x03\x04", rb"xl/|mimetypeapplication/vnd\.oasis", "a spreadsheet",
+     "save the sheet that has the points as csv"),
+    (b"PK\x03\x04", rb"\.npy", "arrays of NumPy (.npz), as TRex writes", AS_TABLE),
+    (b"\x93NUMPY", rb"", "an array of NumPy (.npy), as idtracker.ai and VAME write", AS_TABLE),
+    (b"\xd0\xcf\x11\xe0", rb"", "an old spreadsheet (.xls)", "save the sheet as csv"),
+    (b"\x80", rb"", "a pickle of Python, which may run programs when it is read", AS_TABLE),
+    (b"MATLAB 7.3", rb"", "a .mat of MATLAB 7.3, as DANNCE and others write", AS_TABLE),
+)  # fmt: skip
+"""What a file begins with, what else is near its beginning, what it is, and the way out."""
+
+_BY_TEXT = (
+    (r"<\?xml[\s\S]*<TrackMate|<Tracks[\s>]|\bTRACK_ID\b.*\bPOSITION_X\b", "spots of TrackMate",
+     _ONE_POINT),
+    (r"<\?xml[\s\S]*org\.opensourcephysics", "a project of Tracker (.trk)",
+     "export its table of each point, with frame, x and y, and join them to one csv with frame "
+     "and <point>_x, <point>_y"),
+    (r"<\?xml[\s\S]*Kinovea|^# Kinovea|^Time \(ms\)[;,]", "trajectories of Kinovea",
+     "join its trajectories to one csv with frame and <point>_x, <point>_y of each"),
+    (r"^[^\n]*mass[^\n]*\n\s*t[,;\t]", "a table of Tracker",
+     "join its points to one csv with frame and <point>_x, <point>_y of each"),
+    (r"inDegrees\s*=|^nRows=\d+[\s\S]*endheader", "a .mot or .sto of OpenSim, angles or forces",
+     "name the markers that they were made from (.trc)"),
+    (r'"pose_keypoints_2d"', "a frame of OpenPose", "join all frames to one: " + AS_TABLE),
+    (r'"instance_info"|"keypoint_scores"', "predictions of MMPose", AS_TABLE),
+    (r'"annotations"[\s\S]*"result"', "annotations of Label Studio", AS_TABLE),
+    (r'"annotations"[\s\S]*"keypoints"|"images"[\s\S]*"file_name"', "keypoints of COCO",
+     _BY_SLEAP_IO + "coco (with the pictures beside it)"),
+    (r"^frame_idx,node,x,y|^frame_idx,inst\d+\.", "a csv of sleap-io laid out by points or frames",
+     'save it anew with format="sleap", or by sio convert FILE -o clip.slp --from csv'),
+    (r"^\W*time\W*,\W*x1\W*,\W*y1\b", "trajectories of idtracker.ai", _ONE_POINT),
+    (r"^\s*[{\[]", "a text in JSON", AS_TABLE),
+    (r"^\s*<\?xml", "a text in XML", AS_TABLE),
+)  # fmt: skip
+"""Patterns at the beginning of a text, the first that fits, what it is, and the way out."""
+
+
+def say_unread(path: Path) -> str | None:
+    """Say of which program a file is that is not read here, and how to come to one that is.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    str or None
+        ``"<what it is>, not read here; <the way out>"``; None for a file that is not known either.
+    """
+    with path.open("rb") as file:
+        head = file.read(_HEAD_BYTES)
+    if head.startswith(b"\x89HDF"):
+        return _say_hdf5(path)
+    for begin, within, what, way in _BY_BYTES:
+        if head.startswith(begin) and re.search(within, head):
+            return _not_read(what, way)
+    text = head.decode("utf-8-sig", "replace")
+    for pattern, what, way in _BY_TEXT:
+        if re.search(pattern, text, re.MULTILINE):
+            return _not_read(what, way)
+    return None
+
+
+def _not_read(what: str, way: str) -> str:
+    """Say both."""
+    return f"{what}, not read here; {way}"
+
+
+def _say_hdf5(path: Path) -> str | None:
+    """Say the same of HDF5, by the names inside."""
+    try:
+        with open_hdf5(path, expected="tracks in HDF5") as file:
+            names = set(file)
+            inside = {n for item in file.values() if isinstance(item, h5py.Group) for n in item}
+    except InputError:
+        return None
+    if "poseest" in names:
+        return _not_read("poses of JABS", f"{_BY_SLEAP_IO}jabs")
+    if "trajectories" in names:
+        return _not_read("trajectories of idtracker.ai", _ONE_POINT)
+    if {"annotations", "skeleton"} <= names:
+        return _not_read("points of DeepPoseKit", AS_TABLE)
+    if "syllable" in inside:
+        return _not_read("results of keypoint-moseq", "name the tracks that they were made from")
+    return None
