@@ -15,6 +15,8 @@ VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv"
 
 
 _DEEPEST = 3
+"""Folders below a folder of studies in which a trial may lie, such as group, animal and day: a
+limit, so that a home folder named by mistake is not searched to its ends."""
 
 
 def find_trial_files(folder: str | Path) -> list[Path]:

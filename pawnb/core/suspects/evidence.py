@@ -268,7 +268,8 @@ def _not_measured(origin: IntArray) -> LabelEvidence:
     score = _WEAK * level_off(length / _LONG_FRAMES)
 
     def words(key: tuple[int, int, int]) -> str:
-        return f"it was not found for {length[key]:.0f} frames and is only predicted"
+        n = int(length[key])
+        return f"it was not found for {n} frame{'s' * (n != 1)} and is only predicted"
 
     return LabelEvidence(score, words)
 

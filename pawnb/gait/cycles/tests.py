@@ -144,12 +144,14 @@ def _two_groups(means: pd.DataFrame, a: str, b: str, *, paired: bool) -> _Curves
     left = len(means.loc[means.index.isin([a, b], level=0)]) - len(
         whole.loc[whole.index.isin([a, b], level=0)]
     )
-    notes = [f"{left} animals without whole curves of every leg left out"] if left else []
+    said = f"{left} animal{'s' * (left != 1)} without whole curves of every leg left out"
+    notes = [said] if left else []
     one, two = (whole[whole.index.get_level_values(0) == g].droplevel(0) for g in (a, b))
     shared = one.index.intersection(two.index)
     if paired:
         alone = len(one.index.union(two.index)) - len(shared)
-        notes += [f"{alone} animals in one condition only left out"] if alone else []
+        said = f"{alone} animal{'s' * (alone != 1)} in one condition only left out"
+        notes += [said] if alone else []
         one, two = one.loc[shared], two.loc[shared]
     elif len(shared):
         raise InputError(

@@ -271,9 +271,12 @@ def _add_gaps(
             "start_s": grid.time_at(max(start - 1, 0)),
             "end_s": grid.time_at(min(stop, len(position) - 1)),
         }
-        why = f"not tracked for {stop - start} frames; gaps are bridged up to {max_gap_s:.3g} s"
+        n = int(stop - start)
+        why = f"not tracked for {n} frame{'s' * (n != 1)}"
         if start == 0 or stop == len(position):
-            why = f"not tracked for {stop - start} frames at the {'start' if start == 0 else 'end'}"
+            why += f" at the {'start' if start == 0 else 'end'}"
+        else:
+            why += f"; gaps are bridged up to {max_gap_s:.3g} s"
         result.gaps.append({"leg": leg, **span, "what": "not tracked"})
         result.dropped.append({"leg": leg, **span, "what": "track", "why": why})
 

@@ -208,7 +208,8 @@ def _compare(
     if paired:
         alone = [part["animal"] for part in (one, two)]
         left = len(set(alone[0]) ^ set(alone[1]))
-        only = f"{left} animals in one condition only left out" if left else ""
+        said = f"{left} animal{'s' * (left != 1)} in one condition only left out"
+        only = said if left else ""
         note = "; ".join(part for part in (only, note) if part)
         if shared.empty:
             return {"note": f"{_NONE_IN_BOTH}: not compared"}

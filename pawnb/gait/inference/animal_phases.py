@@ -100,7 +100,8 @@ def phase_of_animals(
     known = np.isfinite(vectors.means)
     means, lengths = vectors.means[known], vectors.lengths[known]
     n, k = int(vectors.n.sum()), int(known.sum())
-    note = "" if known.all() else f"{int((~known).sum())} animals without a mean phase left out"
+    left = int((~known).sum())
+    note = f"{left} animal{'s' * (left != 1)} without a mean phase left out" if left else ""
     if k < 2:
         mean = float(means[0]) if k else math.nan
         notes = "; ".join(part for part in (ONE_ANIMAL if k else NO_MEAN, note) if part)

@@ -219,6 +219,13 @@ def test_short_gaps_are_bridged_and_marked_long_ones_drop_strides():
     assert own["period_s"].max() < 1.1 * walk.period
 
 
+def test_one_frame_without_a_foot_is_one_frame():
+    tracks = Walk().tracks()
+    tracks["position"].data[0, :, 0, 0] = np.nan
+    why = analyse(tracks, belt_speed=300.0).dropped.query("what == 'track'")["why"]
+    assert why.tolist() == ["not tracked for 1 frame at the start"]
+
+
 def test_hiding_half_of_a_swing_gives_no_event_there():
     walk = Walk(duty=0.6)
     tracks = walk.tracks()

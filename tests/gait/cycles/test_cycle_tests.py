@@ -152,7 +152,7 @@ def test_animals_without_every_leg_and_broken_strides_are_left_out():
     gone = both[~((both["animal"] == "m0") & (both["leg"] == "R2"))]
     found = compare_cycles(gone)
     assert found["n_animals_a"].iloc[0] == 4
-    assert "1 animals without whole curves" in found["note"].iloc[0]
+    assert "1 animal without whole curves" in found["note"].iloc[0]
     holed = cycles(curves(5, 6), 5)
     broken = (holed["stride"] == 1) & (holed["animal"] == "m3") & (holed["percent"] == 50.0)
     holed.loc[broken, "value"] = np.nan

@@ -187,7 +187,7 @@ def test_one_animal_has_no_interval_and_no_p():
 def test_animals_whose_phases_cancel_out_are_left_out():
     found = phase_of_animals(np.array([0.1, 0.6, 0.3, 0.35, 0.4]), list("aabbc"))
     assert found.n_animals == 2
-    assert "1 animals without a mean phase left out" in found.note
+    assert "1 animal without a mean phase left out" in found.note
     alone = phase_of_animals(np.array([0.1, 0.6]), list("aa"))
     assert math.isnan(alone.mean)
     assert "cancel out" in alone.note

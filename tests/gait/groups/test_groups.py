@@ -214,7 +214,7 @@ def test_conditions_of_the_same_animals():
     means = table.groupby(["group", "animal"])["duty_factor"].mean()
     expected = ttest_rel(means["run"].iloc[:3], means["walk"].iloc[:3])
     assert found["p"] == pytest.approx(expected.pvalue)
-    assert found["note"] == "1 animals in one condition only left out"
+    assert found["note"] == "1 animal in one condition only left out"
     circular = compare_groups(table, ["phase"], paired=True, circular=True).iloc[0]
     assert "paired t of phases" in circular["method"]
     assert -0.5 <= circular["difference"] < 0.5

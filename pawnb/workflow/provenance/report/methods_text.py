@@ -62,6 +62,8 @@ PROGRAMS = {
 """What is to be cited for tracks of other programs, by the name that tracks give."""
 _BY_HAND = re.compile(r"corrections by hand in force: \d+ \(([^)]+)\)")
 _NUMBER_IN_TEXT = re.compile(r"(?<![\w.])\d+(?:\.\d+)?(?!\w)")
+_PLURAL = re.compile(r"(?<=# )(\w{2,})s\b")
+"""A noun after a number: one frame and two frames are the same reason."""
 
 
 def methods_paragraphs(
@@ -276,17 +278,22 @@ def count_dropped(dropped: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
     own = dropped.assign(
         why=dropped["why"].astype(str).str.replace(r"\bstride \d+\b", "a stride", regex=True)
     )
-    own["alike"] = own["why"].str.replace(_NUMBER_IN_TEXT, "#", regex=True)
+    numberless = own["why"].str.replace(_NUMBER_IN_TEXT, "#", regex=True)
+    own["alike"] = numberless.str.replace(_PLURAL, r"\1", regex=True)
     groups = own.groupby([*(name for name in by if name != "why"), "alike"], sort=True)
     counts = groups.agg(why=("why", _together), n=("why", "size")).reset_index()
     return counts[[*by, "n"]].sort_values("n", ascending=False, kind="stable")
 
 
 def _together(reasons: pd.Series) -> str:
-    """Return reasons that differ in their numbers only as one, with the range of each number."""
+    """Return reasons that differ in their numbers only as one, with the range of each number.
+
+    The words are those of the longest, which has its nouns in the plural where any has.
+    """
+    words = max(reasons, key=lambda reason: len(_NUMBER_IN_TEXT.sub("#", reason)))
     numbers = [_NUMBER_IN_TEXT.findall(reason) for reason in reasons]
     ranges = iter([_range([float(one) for one in same]) for same in zip(*numbers, strict=True)])
-    return _NUMBER_IN_TEXT.sub(lambda _: next(ranges), str(reasons.iloc[0]))
+    return _NUMBER_IN_TEXT.sub(lambda _: next(ranges), words)
 
 
 def _programs(step: Mapping[str, Any]) -> str:

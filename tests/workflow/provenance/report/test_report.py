@@ -141,11 +141,12 @@ def test_the_methods_say_what_was_in_force_and_whose_strides_they_are():
 def test_reasons_that_differ_in_numbers_only_are_one_line():
     why = ["not tracked for 11 frames; gaps are bridged up to 0.03 s",
            "not tracked for 7 frames; gaps are bridged up to 0.03 s", "no AEP of L1 in stride 3",
-           "no AEP of L2 in stride 4"]  # fmt: skip
+           "no AEP of L2 in stride 4",
+           "not tracked for 1 frame; gaps are bridged up to 0.03 s"]  # fmt: skip
     dropped = pd.DataFrame({"animal": "m1", "what": "track", "why": why})
     counted = count_dropped(dropped, ["what", "why"])
     assert counted.to_numpy().tolist() == [
-        ["track", "not tracked for 7 to 11 frames; gaps are bridged up to 0.03 s", 2],
+        ["track", "not tracked for 1 to 11 frames; gaps are bridged up to 0.03 s", 3],
         ["track", "no AEP of L1 in a stride", 1],
         ["track", "no AEP of L2 in a stride", 1],
     ]
