@@ -20,6 +20,10 @@ from pawnb.widgets.stick_pose import StickPose, stick_pose
 from pawnb.widgets.stick_session import StickSession, StickState
 from pawnb.widgets.stretch_edits import order_partners
 
+_LEAST_MOVE_PX = 0.3
+"""What moves no joint that far is no correction: a leg at full reach that is dragged further out
+settles by less and less."""
+
 
 class PoseReviewSession(StickSession):
     """The tracked poses of one animal, each of which can be corrected.
@@ -38,6 +42,11 @@ class PoseReviewSession(StickSession):
     frame : int, optional
         Frame to begin with; default the first of the tracks.
 
+    Attributes
+    ----------
+    moved : bool
+        Whether the last change moved anything; one that did not is no correction.
+
     Raises
     ------
     InputError
@@ -52,7 +61,7 @@ class PoseReviewSession(StickSession):
         size: tuple[int, int],
         frame: int | None = None,
     ) -> None:
-        self.corrected = corrected
+        self.corrected, self.moved = corrected, True
         super().__init__(
             trial,
             animal_of(corrected.present),
@@ -137,6 +146,10 @@ class PoseReviewSession(StickSession):
             "which are missing (pawnb.widgets.StickPoser), and track again."
         )
 
+    def accept(self) -> None:
+        """Keep the pose as it is: a correction, though it moves nothing."""
+        self._record(self.pose, self.pose_frame)
+
     def retrack(self, frame: int) -> str:
         """Track again about a frame; returns what was done, in words."""
         said = self.corrected.retrack(frame)
@@ -176,8 +189,14 @@ class PoseReviewSession(StickSession):
         return StickState(stick_pose(self.species, self.species, first), begin, "proposed")
 
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
-        """Make the pose the correction of the frame looked at."""
+        """Make the pose the correction of the frame looked at, where it moves anything."""
         where = self.frame if frame is None else frame
+        self.moved = _moves(self.pose_at(where), pose)
+        if self.moved:
+            self._record(pose, where)
+
+    def _record(self, pose: StickPose, where: int) -> None:
+        """Make the pose the correction of a frame."""
         for name in self.species.leg_names:  # who poses the animal has posed every leg
             pose = pose.with_missing(name, missing=False)
         values = pose_values(self.species, pose.poses(where))
@@ -190,6 +209,15 @@ class PoseReviewSession(StickSession):
             return False
         self.go(int(getattr(edit, "frame", self.frame)))
         return True
+
+
+def _moves(before: StickPose | None, after: StickPose) -> bool:
+    """Say whether a pose is another one; a leg that was hidden is there again once it is posed."""
+    if before is None or any(leg.missing for leg in before.legs.values()):
+        return True
+    steps = [after.places(name) - before.places(name) for name in before.legs]
+    steps.append(np.subtract([after.xy], [before.xy]))
+    return bool(np.abs(np.concatenate(steps)).max() > _LEAST_MOVE_PX)
 
 
 def _rank(legs: list[Leg], leg: Leg) -> int:

@@ -31,6 +31,10 @@ _IN_SPACE = (
     "view at once, so drag a frame right and track again from there (R)."
 )
 _AT_WORK = "the poses are being tracked again; look at any frame meanwhile"
+_UNMOVED = (
+    "That moved nothing, so it is no correction. A leg at full reach goes no further: make it "
+    "longer (]), or move the body."
+)
 _NO_LANE = ("Body", "has no lane and is never exchanged: there is one; it is moved frame by frame")
 _POSE_REVIEW_KEYS = (
     *HANDLES,
@@ -222,12 +226,14 @@ class PoseReviewer(StickPoser, Comparing):
 
     def _correct(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Pass on what may change a pose; one that was corrected is doubtful no more."""
-        before = self.corrected.corrections
+        before, self.session.moved = self.corrected.corrections, True
         go = super().edit(what, message)
         now = self.corrected.corrections
         if now[: len(before)] == before and len(now) == len(before) + 1:
             self._doubt_no_more(now[-1].frame)
             self._show_state()
+        elif not self.session.moved:
+            self._show_state(_UNMOVED)
         return go
 
     def _visit(self, frame: int) -> None:

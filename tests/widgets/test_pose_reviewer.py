@@ -267,6 +267,25 @@ def test_the_next_difference_chooses_its_leg_and_stays_said(rendered_spider, tra
     widget.close()
 
 
+def test_a_leg_at_full_reach_that_is_dragged_further_out_is_no_correction(reviewer):
+    """Its segments are in line then: together they reach from the body to the tip."""
+    was = reviewer.session.pose_at(17).places("L2")
+    u, v = was[0] + 5.0 * (was[-1] - was[0])
+    message = {"frame": 17, "point": "L2", "u": u, "v": v, "whole": True}
+    reviewer.edit("moved", message)
+    places = reviewer.session.pose_at(17).places("L2")
+    reach = np.linalg.norm(np.diff(places, axis=0), axis=1).sum()
+    assert np.linalg.norm(places[-1] - places[0]) == pytest.approx(reach, rel=0.005)
+    for _ in range(3):
+        reviewer.edit("moved", message)
+    np.testing.assert_array_equal(reviewer.session.pose_at(17).places("L2"), places)
+    assert len(reviewer.corrected.corrections) == 1
+    assert reviewer.session.path.read_text().count("\n") == 1
+    assert reviewer.status.startswith("That moved nothing, so it is no correction. A leg at full")
+    reviewer.edit("action", {"frame": 17, "action": "accept"})  # it is right as it is
+    assert len(reviewer.corrected.corrections) == 2
+
+
 def test_undo_and_redo_say_what_they_did(reviewer):
     drag(reviewer, 17)
     reviewer.edit("action", {"frame": 12, "action": "undo"})

@@ -131,6 +131,28 @@ def test_reaching_stays_within_the_ranges_where_it_can(side):
         assert beyond_range(leg, found).max() < 5.0
 
 
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_out_of_reach_a_leg_is_straight_and_stays_so(side):
+    """The geometry of a chain: straight, it points to the place; dragged on, it does not move."""
+    for leg in (leg for leg in SPECIES.legs if leg.side == side):
+        root, steps = np.array([100.0, 80.0]), 3.0 * np.array(leg.lengths)
+        about = {"heading_deg": 40.0, "steps_px": steps}
+        angles = np.array(leg.natural_deg)
+        natural = leg_places(leg, root, angles_deg=angles, **about)[-1]
+        for turn_deg in (-30.0, 0.0, 30.0):
+            turn = np.radians(turn_deg)
+            out = natural - root
+            out = [out[0] * np.cos(turn) - out[1] * np.sin(turn),
+                   out[0] * np.sin(turn) + out[1] * np.cos(turn)]  # fmt: skip
+            to = root + 6.0 * np.array(out)
+            straight = root + steps.sum() * np.array(out) / np.hypot(*out)
+            found = reach_tip(leg, root, angles_deg=angles, to=to, **about)
+            again = reach_tip(leg, root, angles_deg=found, to=to, **about)
+            ends = [leg_places(leg, root, angles_deg=a, **about) for a in (found, again)]
+            np.testing.assert_allclose(ends[0][-1], straight, atol=0.01 * steps.sum())
+            np.testing.assert_allclose(ends[1], ends[0], atol=0.005 * steps.sum())
+
+
 def test_handles_are_the_joints_that_turn_and_the_tip():
     # Table 3.2: trochanter-femur and femur-patella do not turn
     assert handles(SPECIES.leg("R1")) == {"R1.CT": 1, "R1.PT": 4, "R1.TM": 5, "R1.MT": 6, "R1": 7}

@@ -105,8 +105,8 @@ def reach_tip(
 ) -> FloatArray:
     """Return angles that bring the tip of a leg to a place, all free joints turning together.
 
-    Damped least squares (Wampler 1986); joints turn reluctantly further out of their range. A
-    place out of reach is approached.
+    Damped least squares (Wampler 1986); joints turn reluctantly further out of their range.
+    Towards a place out of reach the leg is straight: steps towards the place itself never settle.
 
     Parameters
     ----------
@@ -134,6 +134,8 @@ def reach_tip(
     freedom = np.array(leg.free) * (half / 60.0 + 0.05)
     size = float(steps_px.sum())
     damping = _DRAG_DAMPING * size**2
+    out = np.asarray(to) - root
+    to = root + out * min(1.0, size / max(float(np.hypot(*out)), 1e-9))
     for _ in range(DRAG_STEPS):
         places = leg_places(
             leg, root, heading_deg=heading_deg, angles_deg=angles, steps_px=steps_px

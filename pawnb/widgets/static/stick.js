@@ -113,6 +113,10 @@ class Stick {
     const angles = [...leg.angles];
     const n = leg.lengths.length;
     const size = this.spec.scale * leg.lengths.reduce((a, b) => a + b, 0);
+    const [ru, rv] = this.places(leg)[0];
+    // out of reach the leg is straight: steps towards the place itself never settle
+    const within = Math.min(1, size / Math.max(Math.hypot(u - ru, v - rv), 1e-9));
+    [u, v] = [ru + within * (u - ru), rv + within * (v - rv)];
     const freedom = leg.half.map((half, j) => (leg.free[j] ? half / 60 + 0.05 : 0));
     for (let step = 0; step < REACH_STEPS; step++) {
       const places = this.places(leg, angles);
