@@ -21,7 +21,7 @@ from pawnb.gait import _former
 from pawnb.gait.analysis.run import analyse, analyse_events
 from pawnb.gait.analysis.tables import GaitTables, pool
 from pawnb.gait.body_angles import body_angles
-from pawnb.gait.events.event_edits import replay_event_edits
+from pawnb.gait.events.event_edits import rename_event_edits, replay_event_edits
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.pose_body import leg_angles
 
@@ -64,6 +64,7 @@ __all__ = [
     "reference_lines",
     "regression",
     "relative_phase",
+    "rename_event_edits",
     "repeatability",
     "replay_event_edits",
     "residuals",

@@ -10,13 +10,21 @@ import dataclasses
 import json
 import math
 import reprlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import NoneType
 from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_type_hints
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.files import locked, open_growing, read_bytes, sync_folder, write_at
+from pawnb.files import (
+    check_file,
+    locked,
+    open_growing,
+    read_bytes,
+    sync_folder,
+    write_at,
+    write_whole,
+)
 
 RecordT = TypeVar("RecordT")
 Step: TypeAlias = Literal["undo", "redo"]
@@ -278,6 +286,52 @@ def read_journal(
     """
     entries, _, notes = _read(Path(path), lines)
     return entries, notes
+
+
+def change_journal(
+    path: str | Path, lines: LineFormat[RecordT], change: Callable[[RecordT], RecordT]
+) -> int:
+    """Change records where they stand in a file; every other line stays as it is.
+
+    Whoever has the file open meanwhile is told so at the next correction.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file. It is written whole or not at all.
+    lines : LineFormat
+        The records that it may hold.
+    change : callable
+        Takes a record and returns what it is to be.
+
+    Returns
+    -------
+    int
+        How many lines are others now; nothing is written where there is none.
+
+    Raises
+    ------
+    InputError
+        If the file is not there, a line other than the last cannot be read, or it cannot be
+        written.
+    """
+    path = check_file(path, expected="a file of edits")
+    with locked(path, remedy="try again in a moment", wait_s=_WAIT_S):
+        _, data, _ = _read(path, lines)
+        whole = read_bytes(path, expected="a file of edits")  # a crash may have left half a line
+        kept, n_changed = [], 0
+        for number, raw in enumerate(data.splitlines(keepends=True), start=1):
+            entry = None
+            if raw.strip():
+                entry = lines.from_line(raw.decode(), where=f"{path.name}, line {number}")
+            new = entry if entry is None or isinstance(entry, str) else change(entry)
+            n_changed += new != entry
+            kept.append(
+                raw if new is None or new == entry else (lines.to_line(new) + "\n").encode()
+            )
+        if n_changed:
+            write_whole(path, b"".join([*kept, whole[len(data) :]]))
+    return n_changed
 
 
 def enter_step(past: list[RecordT], future: list[RecordT], entry: RecordT | Step) -> None:

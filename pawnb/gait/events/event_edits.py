@@ -8,7 +8,7 @@ events that were found are never changed: reading the file again gives the prese
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -22,6 +22,7 @@ from pawnb.gait.events.event_edit_effects import (
     find_event,
     move_event,
 )
+from pawnb.gait.events.event_edit_names import rename_event_edits, under_its_name
 from pawnb.gait.events.event_edit_records import (
     EVENT_EDIT_LINES,
     EVENT_EDITS_FILE,
@@ -37,7 +38,8 @@ from pawnb.io.journal import Journal, enter_step, read_journal
 
 __all__ = [
     "EVENT_EDITS_FILE", "HAND", "AddEvent", "DeleteEvent", "EventEdit", "EventEdits",
-    "ExcludeStride", "MoveEvent", "apply_event_edits", "read_event_edits", "replay_event_edits",
+    "ExcludeStride", "MoveEvent", "apply_event_edits", "read_event_edits",
+    "rename_event_edits", "replay_event_edits",
 ]  # fmt: skip
 
 _KIND_WORDS = (
@@ -202,7 +204,7 @@ def replay_event_edits(
     notes: list[str] = []
     for file in files:
         edits, remarks = read_event_edits(file)
-        edits = [_under_its_name(edit, here, renamed or {}) for edit in edits]
+        edits = [under_its_name(edit, here, renamed or {}) for edit in edits]
         own = [edit for edit in edits if (edit.animal, edit.trial, edit.leg) in here]
         ours += own
         of_files.append((file.name, own))
@@ -218,8 +220,8 @@ def replay_event_edits(
             notes.append(
                 f"{file.name}: corrections left out, as their trial or leg is not in this "
                 f"analysis: {len(odd)} (the first is of {odd[0].leg} of {odd[0].animal}, "
-                f"{odd[0].trial}). Where an animal, a trial or a leg was renamed since, change its "
-                "name in that file, too."
+                f"{odd[0].trial}). Where an animal, a trial or a leg was renamed since, its name "
+                "is changed in that file, too, by pawnb.gait.rename_event_edits."
             )
     corrected, left_out = _apply(tables, ours, known=len(ours))
     in_force = [(name, [edit for edit in own if edit not in left_out]) for name, own in of_files]
@@ -234,18 +236,6 @@ def replay_event_edits(
             f"{describe_left_out(left_out)}; look at them in the GaitExplorer."
         )
     return dataclasses.replace(corrected, notes=(*tables.notes, *notes))
-
-
-def _under_its_name(
-    edit: EventEdit,
-    here: Collection[tuple[str, str, str]],
-    renamed: Mapping[tuple[str, str], tuple[str, str]],
-) -> EventEdit:
-    """Return a correction under what its animal and trial are called in this analysis."""
-    now = renamed.get((edit.animal, edit.trial))
-    if now is None or (edit.animal, edit.trial, edit.leg) in here:
-        return edit
-    return dataclasses.replace(edit, animal=now[0], trial=now[1])
 
 
 def read_event_edits(path: str | Path) -> tuple[list[EventEdit], list[str]]:

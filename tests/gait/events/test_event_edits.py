@@ -208,7 +208,7 @@ def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_
         "event_edits.jsonl: corrections by hand in force: 1 (1 event moved).",
         "event_edits.jsonl: corrections left out, as their trial or leg is not in this analysis: "
         "1 (the first is of R1 of m1, t2). Where an animal, a trial or a leg was renamed since, "
-        "change its name in that file, too.",
+        "its name is changed in that file, too, by pawnb.gait.rename_event_edits.",
     )
     assert replay_event_edits(tables, tmp_path / "none.jsonl").notes == tables.notes
     # one file for each trial: both count
@@ -399,12 +399,41 @@ def test_events_without_frames_have_no_frame_rate(tables, tmp_path):
     assert "fps" not in json.loads(path.read_text())
 
 
-def test_a_renamed_animal_is_told_how_to_keep_its_corrections(tables, tmp_path):
+def test_a_renamed_animal_and_leg_keep_their_corrections_once_the_file_is_renamed(tables, tmp_path):
+    """The same tables under other names have the same strides."""
     path = tmp_path / "event_edits.jsonl"
-    EventEdits(tables, path).apply(move(0.42))
-    renamed = gait.analyse_events(tables.events.assign(animal="mouse 1"))
-    (note,) = (n for n in replay_event_edits(renamed, path).notes if "left out" in n)
-    assert "change its name in that file" in note
+    made = EventEdits(tables, path)
+    made.apply(move(0.42))
+    made.apply(move(0.48, time_s=0.5, leg="L1"))
+    corrected = made.undo()
+    before = path.read_bytes() + b'{"edit": "mo'  # a crash left half a line
+    path.write_bytes(before)
+    legs = {"R1": "L1", "L1": "R1"}
+    events = tables.events.assign(animal="mouse 1", leg=tables.events["leg"].map(legs))
+    renamed = gait.analyse_events(events)
+    (note,) = (n for n in replay_event_edits(renamed, path).notes if "left out, as their" in n)
+    assert "pawnb.gait.rename_event_edits" in note
+    assert gait.rename_event_edits(path, animals={"m1": "mouse 1"}, legs=legs) == 2
+    again = replay_event_edits(renamed, path)
+    assert not any("left out" in note for note in again.notes[-2:-1])
+    for leg, other in legs.items():
+        own, theirs = strides_of(corrected, leg), strides_of(again, other)
+        np.testing.assert_allclose(theirs["start_s"], own["start_s"])
+    with pytest.raises(InputError, match="no correction is of animal 'm1'; there are mouse 1"):
+        gait.rename_event_edits(path, animals={"m1": "m2"})
+    assert gait.rename_event_edits(path, animals={"mouse 1": "m1"}, legs=legs) == 2
+    assert path.read_bytes() == before
+
+
+def test_whoever_has_corrections_open_hears_of_a_renaming(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    made = EventEdits(tables, path)
+    made.apply(move(0.42))
+    gait.rename_event_edits(path, legs={"R1": "R2"})
+    with pytest.raises(InputError, match="changed by another window"):
+        made.apply(move(0.62, time_s=0.6))
+    with pytest.raises(InputError, match="none"):
+        gait.rename_event_edits(tmp_path / "none.jsonl", legs={"R1": "R2"})
 
 
 def test_corrections_of_another_file_are_said_where_one_is_opened(tables, tmp_path):
