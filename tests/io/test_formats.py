@@ -10,6 +10,7 @@ from pawnb.io.deeplabcut import read_deeplabcut
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
 from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.io.native import write_tracks
+from pawnb.io.wide import write_wide_table
 from pawnb.schema import make_tracks
 
 RNG = np.random.default_rng(5)
@@ -235,6 +236,10 @@ def test_a_plain_table_of_points(tmp_path, axes):
     assert place.sel(keypoint="LF_Claw").to_numpy().tolist() == [[1.5] * len(axes),
                                                                  [2.5] * len(axes)]  # fmt: skip
     assert np.isnan(place.sel(keypoint="b").to_numpy()[0]).all()
+    # written, it has the same cells but for the column that is none of a point
+    written = write_wide_table(tracks, tmp_path / "again.csv").read_text().splitlines()
+    again = [line.replace(",7", ",7.0") for line in (rows[0], rows[2])]
+    assert [written[0], written[2]] == [line.rpartition(",")[0] for line in again]
     path.write_text("frame,a_x,a_y,b_x\n0,1,2,3\n")
     with pytest.raises(InputError, match=r"^points\.csv: column 'b_y' is missing"):
         read_any_tracks(path, fps=10.0)

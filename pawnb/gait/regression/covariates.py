@@ -10,10 +10,6 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.schema import check_columns
 
-COEFFICIENT_COLUMNS = (
-    "term", "estimate", "se", "ci_low", "ci_high", "t", "df", "p", "n", "n_animals",
-)  # fmt: skip
-
 
 def fit_covariates(
     table: pd.DataFrame,
@@ -43,8 +39,8 @@ def fit_covariates(
     Returns
     -------
     pandas.DataFrame
-        ``COEFFICIENT_COLUMNS``: one row for the intercept and each term, from ordinary least
-        squares.
+        term, estimate, se, ci_low, ci_high, t, df, p, n and n_animals: one row for the intercept
+        and each term, from ordinary least squares.
 
     Raises
     ------

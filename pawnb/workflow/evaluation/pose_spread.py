@@ -16,8 +16,6 @@ from pawnb.core.pose.poses import Poses, leg_angles
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.errors import InputError
 
-JITTER_COLUMNS = ("measure", "legs", "range", "sd", "unit")
-DIRECTION_COLUMNS = ("measure", "legs", "rms_difference", "unit")
 TOTAL = "total leg"
 
 
@@ -34,9 +32,9 @@ def build_jitter_table(animal: StickAnimal, poses: Poses) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        ``JITTER_COLUMNS``: x, y and heading; then for each pair of legs every joint and the
-        total leg angle: maximum less minimum, and standard deviation (n - 1), each the
-        mean of the pair's two legs.
+        measure, legs, range, sd and unit: x, y and heading; then for each pair of legs every
+        joint and the total leg angle: maximum less minimum, and standard deviation (n - 1), each
+        the mean of the pair's two legs.
 
     Raises
     ------
@@ -69,9 +67,9 @@ def build_direction_table(animal: StickAnimal, forward: Poses, reverse: Poses) -
     Returns
     -------
     DataFrame
-        ``DIRECTION_COLUMNS``: root mean square of the differences in x, y and heading; then,
-        for each pair of legs, in every joint and in the total leg angle, the mean of the two
-        legs' root mean squares.
+        measure, legs, rms_difference and unit: root mean square of the differences in x, y and
+        heading; then, for each pair of legs, in every joint and in the total leg angle, the mean
+        of the two legs' root mean squares.
 
     Raises
     ------

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
-
-import pandas as pd
 
 from pawnb.core.edits.log import EDIT_LINES, say_unsaved
 from pawnb.errors import InputError, PawnbError
@@ -173,26 +170,6 @@ def find_states(folder: str | Path) -> list[TrialState]:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder.")
     return [state_of(file) for file in find_trial_files(folder)]
-
-
-def states_table(states: Sequence[TrialState]) -> pd.DataFrame:
-    """Return states as a table.
-
-    Parameters
-    ----------
-    states : sequence of TrialState
-        The trials.
-
-    Returns
-    -------
-    pandas.DataFrame
-        trial, folder, one column for each of :data:`DONE`, next, wrong.
-    """
-    rows = [
-        [s.name, str(s.folder), *(word in s.done for word in DONE), s.next_step, s.wrong]
-        for s in states
-    ]
-    return pd.DataFrame(rows, columns=["trial", "folder", *DONE, "next", "wrong"])
 
 
 def what_is_wrong(state: TrialState) -> list[str]:

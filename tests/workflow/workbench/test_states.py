@@ -18,7 +18,6 @@ from pawnb.workflow.workbench.page import PAGE, page_command, write_page
 from pawnb.workflow.workbench.states import (
     find_states,
     state_of,
-    states_table,
     what_is_wrong,
 )
 
@@ -106,9 +105,7 @@ def test_trials_are_found_in_a_folder_and_three_below(folder, tmp_path):
     states = find_states(tmp_path)
     assert [str(s.folder.relative_to(tmp_path)) for s in states] == ["a", "b", "c/d", "c/e/f"]
     assert [s.folder for s in find_states(folder)] == [folder]
-    table = states_table(states)
-    assert table["next"].tolist() == ["start"] * 4
-    assert table["described"].all()
+    assert [(s.next_step, "described" in s.done) for s in states] == [("start", True)] * 4
     with pytest.raises(InputError, match="no such folder"):
         find_states(tmp_path / "none")
     assert [v.name for v in find_videos(folder)] == ["cam1.avi", "cam2.avi", "cam3.avi"]

@@ -60,11 +60,6 @@ class PoseLayout(NamedTuple):
     ellipse: np.ndarray
 
 
-def n_parameters(layout: PoseLayout) -> int:
-    """Return the length of the pose vector."""
-    return N_BODY + 2 * int(layout.n_links.sum())
-
-
 def make_layout(
     animal: StickAnimal, *, px_per_unit: float, dark: float | None = None, size: float = 1.0
 ) -> PoseLayout:

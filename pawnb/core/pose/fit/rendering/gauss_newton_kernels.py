@@ -311,7 +311,7 @@ def fit_pose(
 
     Parameters
     ----------
-    layout, pose, sight, prior
+    layout, pose, image_evidence, prior
         Animal, first guess, picture, prior.
     active : ndarray of int
         Numbers of the pose that may change, ascending.

@@ -170,7 +170,7 @@ def _cheapest(
     within: np.ndarray,
     owner: np.ndarray,
     worth: np.ndarray,
-    links: int,
+    max_successors: int,
     costs: tuple[float, float, float, float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the cheapest links from each tracklet: from, to and cost.
@@ -189,7 +189,7 @@ def _cheapest(
         See :func:`_link_cost`.
     """
     n, (q, r, onset, each, vague) = len(order), costs
-    most = n * (links + int((owner >= 0).sum()))
+    most = n * (max_successors + int((owner >= 0).sum()))
     tail, head, price = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
     count = 0
     for i in range(n):
@@ -206,7 +206,7 @@ def _cheapest(
                 dear[k] = cost[k] - worth[j]
         for rank, k in enumerate(ascending(dear)):
             j = order[low + k]
-            if dear[k] < np.inf and (rank < links or owner[j] >= 0):
+            if dear[k] < np.inf and (rank < max_successors or owner[j] >= 0):
                 tail[count], head[count], price[count] = i, j, cost[k]
                 count += 1
     return tail[:count], head[:count], price[:count]

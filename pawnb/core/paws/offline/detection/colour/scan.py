@@ -41,6 +41,9 @@ class ROI:
         Half its width and height, px.
     size : tuple of int
         Width and height of the view.
+    offset : float, optional
+        By how much the mean of the detections lies to the right of the middle, px: that of the
+        first detections that :meth:`follow` was given.
     """
 
     centre: FloatArray
