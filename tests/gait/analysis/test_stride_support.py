@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 from walking import Walk
 
 from pawnb.gait import analyse, analyse_events
-from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES
+from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES, measure_support
+from pawnb.gait.cycles.leg_signals import LATERAL, POSITION, LegSignals
 
 WALK_PHASES = {"FR": 0.0, "HL": 0.25, "FL": 0.5, "HR": 0.75}
 
@@ -18,8 +20,6 @@ def footfalls(phases, duty, period=0.4, strides=6):
         for k in range(strides):
             down = (k + phase) * period
             rows += [(leg, "TD", down), (leg, "LO", down + duty * period)]
-    import pandas as pd
-
     return pd.DataFrame(rows, columns=["leg", "event", "time_s"])
 
 
@@ -60,3 +60,30 @@ def test_a_walk_on_three_feet_is_stable_and_a_trot_is_not():
     assert (known["support_area"] > fast["support_area"].mean()).all()
     # a trot stands on two feet for most of its stride: a line supports nothing
     assert fast["stable_share"].mean() < 0.4 < known["stable_share"].mean()
+
+
+def test_the_centre_lies_between_the_first_and_the_last_pair_of_six_legs():
+    """Every foot stands, the middle pair far to the front: by hand, along the heading.
+
+    Feet at x = 10, 8 and 0, left and right of the line: the centre is at 5, so the shorter way
+    to an edge is 5. The mean of all feet, at 6, would leave 4.
+    """
+    legs = [f"{side}{k}" for side in "LR" for k in (1, 2, 3)]
+    places = {leg: np.array([{1: 10.0, 2: 8.0, 3: 0.0}[int(leg[1])], {"L": 4.0, "R": -4.0}[leg[0]]])
+              for leg in legs}  # fmt: skip
+    events = pd.DataFrame(
+        [(leg, kind, at) for leg in legs for kind, at in (("TD", 0.0), ("LO", 0.999), ("TD", 1.0))],
+        columns=["leg", "event", "time_s"],
+    ).assign(animal="m1", trial="t1")
+    strides = pd.DataFrame(
+        {"leg": legs, "start_s": 0.0, "period_s": 1.0, "duty_factor": 0.999}
+    ).assign(animal="m1", trial="t1")
+    time_s = np.linspace(-0.1, 1.1, 13)
+    signals = [
+        LegSignals(animal="m1", trial="t1", time_s=time_s, signal=name, legs=tuple(legs),
+                   samples=np.tile([places[leg][axis] for leg in legs], (len(time_s), 1)))
+        for axis, name in enumerate((POSITION, LATERAL))
+    ]  # fmt: skip
+    found = measure_support(strides, events, signals=signals)
+    np.testing.assert_allclose(found["longitudinal_margin"], 5.0)
+    np.testing.assert_allclose(found["support_area"], 80.0)

@@ -87,6 +87,19 @@ def test_close_phases_compare_as_numbers_do():
     assert paired.p == pytest.approx(compare_paired(A - 2, B[:5]).p, rel=1e-3)
 
 
+def test_two_animals_a_group_are_enough_for_phases():
+    """Standard errors of close phases are those of numbers: Welch's t test of scipy."""
+    a, b = np.array([2.0, 3.0]), np.array([5.0, 9.0])
+    found = compare_two_phases(a * 1e-4, b * 1e-4)
+    test = ttest_ind(b, a, equal_var=False)
+    assert found.p == pytest.approx(test.pvalue, rel=1e-3)
+    interval = test.confidence_interval(0.95)
+    assert (found.ci_low, found.ci_high) == pytest.approx(
+        (interval.low * 1e-4, interval.high * 1e-4), rel=1e-3
+    )
+    assert math.isnan(compare_two_phases(a[:1] * 1e-4, b * 1e-4).p)
+
+
 def test_paired_phases_are_a_test_of_their_differences():
     rng = np.random.default_rng(1)
     a = rng.random(6)

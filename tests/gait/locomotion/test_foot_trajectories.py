@@ -59,9 +59,10 @@ def test_a_low_confidence_is_only_spoken_of_where_the_tracks_tell_one():
     tracks["confidence"].data[:] = 0.7
     (note,) = notes_on_confidence(tracks, least)
     assert note == "positions with a confidence below 0.6 count as missing."
-    tracks["confidence"].data[:] = np.nan
-    (note,) = notes_on_confidence(tracks, least)
-    assert "tell no confidence" in note
+    for none in (np.nan, 0.0):
+        tracks["confidence"].data[:] = none
+        (note,) = notes_on_confidence(tracks, least)
+        assert "tell no confidence" in note
     assert not notes_on_confidence(tracks, least_confidence(tracks, 0.0))
 
 
