@@ -16,7 +16,7 @@ import xarray as xr
 
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.formats import load_tracks
-from pawnb.io.movement import from_movement, is_movement, to_movement
+from pawnb.io.movement import from_movement, is_movement, to_movement, write_movement
 from pawnb.io.native import read_tracks, write_tracks
 from pawnb.schema import ORIGIN_CODE, absent_frames, make_tracks
 
@@ -149,6 +149,16 @@ def test_tracks_survive_a_journey_through_movement(dims, tmp_path):
     xr.testing.assert_identical(from_movement(dataset), tracks)
     dataset.to_netcdf(tmp_path / "m.nc", engine="h5netcdf")
     xr.testing.assert_identical(read_tracks(tmp_path / "m.nc"), tracks)
+
+
+@pytest.mark.parametrize("unit", ["cm", "m"])
+def test_the_unit_of_places_in_space_is_written(tmp_path, unit):
+    tracks = make_tracks(np.arange(3), ["FR"], fps=50.0, unit=unit)
+    tracks["position"].data[:] = 1.25
+    tracks["origin"].data[:] = ORIGIN_CODE["measured"]
+    again = read_tracks(write_movement(tracks, tmp_path / "poses.nc"))
+    assert again.attrs["units"] == unit
+    np.testing.assert_array_equal(again["position"], tracks["position"])
 
 
 def poses(dims=("keypoints", "individuals"), *, time=None, **attrs):

@@ -4,26 +4,32 @@ import threading
 
 import pytest
 
-from pawnb.schema import make_tracks
+from pawnb.core.video import ViewSet
 from pawnb.workflow.batch import worker
 
-ORDER = {"trial": "t", "method": "pawnb", "settings": {}, "out": "t/results", "command": []}
 
-
+@pytest.mark.slow
 @pytest.mark.parametrize(
-    ("frames", "said", "verdict"),
-    [(0, "interrupted before the first frame was tracked", ""), (3, "3 frames, t/results; ", None)],
+    ("after", "said", "judged"),
+    [(0, "interrupted before the first frame was tracked", False), (6, "6 frames, ", True)],
 )
-def test_a_trial_that_had_only_begun_is_not_judged(monkeypatch, frames, said, verdict):
-    stop = threading.Event()
+def test_a_trial_that_had_only_begun_is_not_judged(
+    small_trial, tmp_path, monkeypatch, after, said, judged
+):
+    stop, plain = threading.Event(), ViewSet.frames
 
-    def track(_trial, **_options):
-        stop.set()  # Ctrl-C meanwhile
-        return make_tracks(range(frames), ["FR"], fps=25.0, views=["side"])
+    def frames(self, start, end, **options):
+        for i, pictures in plain(self, start, end, **options):
+            if i == after:
+                stop.set()  # Ctrl-C meanwhile
+            yield i, pictures
 
-    monkeypatch.setattr(worker, "load_trial", lambda path: path)
-    monkeypatch.setattr(worker, "track", track)
-    answer = worker._track(ORDER, stop)
+    monkeypatch.setattr(ViewSet, "frames", frames)
+    order = {
+        "trial": str(small_trial), "method": "pawnb", "settings": {}, "command": [],
+        "out": str(tmp_path / "results"),
+    }  # fmt: skip
+    answer = worker._track(order, stop)
     assert answer["status"] == "stopped"
     assert answer["said"].startswith(said)
-    assert verdict is None or answer.get("verdict", "") == verdict
+    assert ("verdict" in answer) == judged
