@@ -30,6 +30,8 @@ COLUMNS = (
     "b_animals", "p_animals", "significant_animals",
 )  # fmt: skip
 _STEPS = 60
+_WORDS_LONG, _WORDS_HIGH = 0.6, 0.1
+"""Room of the words of a reference line along and across it, of the panel."""
 _UNITS = {"animal": "animal", "trial": "trial", "row": "stride"}
 
 
@@ -232,11 +234,11 @@ def plot_regression(
             panel.set_xlabel(called.get(first["predictor"], first["predictor"]))
             panel.set_ylabel(called.get(first["outcome"], first["outcome"]))
             panel.set_title(_words(first), fontsize=small_pt(), loc="right", linespacing=1.15)
+            if log:
+                use_log_axes(panel)
             for name, along in ((first["outcome"], "x"), (first["predictor"], "y")):
                 if name in (references or {}):
                     _draw_reference(panel, own, (references or {})[name], along=along)
-            if log:
-                use_log_axes(panel)
         add_animal_legend(panels[0], marks)
     return panels[0]
 
@@ -276,18 +278,41 @@ def _draw_reference(
     (ax.axhline if flat else ax.axvline)(
         value, color="0.35", linewidth=0.8, linestyle=(0, (1, 1.5)), zorder=0.5
     )
-    # on the side of the points, so that the words stay within the panel
-    low = value <= middle
+    at_end, beyond = _place_words(ax, own, value, flat=flat, low=value <= middle)
     look: dict[str, Any] = {"textcoords": "offset points", "fontsize": small_pt(), "color": "0.35",
                             "zorder": 0.6}  # fmt: skip
-    if flat:  # at the left below a high line, at the right above a low one
-        ax.annotate(words, (0.98 if low else 0.02, value), xycoords=("axes fraction", "data"),
-                    xytext=(0, 1 if low else -1), ha="right" if low else "left",
-                    va="bottom" if low else "top", **look)  # fmt: skip
-    else:  # at the foot of a line beyond the points, at the head of one before them
-        ax.annotate(words, (value, 0.98 if low else 0.02), xycoords=("data", "axes fraction"),
-                    xytext=(1 if low else -1, 0), ha="left" if low else "right",
-                    va="top" if low else "bottom", rotation=90, **look)  # fmt: skip
+    along_axis, off = 0.98 if at_end else 0.02, 1 if beyond else -1
+    if flat:
+        ax.annotate(words, (along_axis, value), xycoords=("axes fraction", "data"),
+                    xytext=(0, off), ha="right" if at_end else "left",
+                    va="bottom" if beyond else "top", **look)  # fmt: skip
+    else:
+        ax.annotate(words, (value, along_axis), xycoords=("data", "axes fraction"),
+                    xytext=(off, 0), ha="left" if beyond else "right",
+                    va="top" if at_end else "bottom", rotation=90, **look)  # fmt: skip
+
+
+def _place_words(
+    ax: Any, own: pd.DataFrame, value: float, *, flat: bool, low: bool
+) -> tuple[bool, bool]:
+    """Return at which end of a line and on which side of it words touch the fewest points.
+
+    Of places that are alike the words take that on the side of the points: below a high line and
+    above a low one they stay within the panel.
+    """
+    points = own.loc[own["row"] == "point", ["x", "y"]].to_numpy(float)
+    ax.autoscale_view()  # the line may lie beyond the points
+    to_panel = ax.transData + ax.transAxes.inverted()
+    along, across = to_panel.transform(points).T[:: 1 if flat else -1]
+    line = to_panel.transform((points[0, 0], value) if flat else (value, points[0, 1]))[int(flat)]
+    touched = {}
+    for at_end, beyond in ((low, low), (not low, low), (low, not low), (not low, not low)):
+        room = 1.0 - line if beyond else line
+        beside = (across - line) * (1.0 if beyond else -1.0)
+        near = (beside > -0.5 * _WORDS_HIGH) & (beside < _WORDS_HIGH)
+        met = near & ((along > 1.0 - _WORDS_LONG) if at_end else (along < _WORDS_LONG))
+        touched[at_end, beyond] = met.sum() if room > _WORDS_HIGH else len(points) + 1
+    return min(touched, key=lambda place: touched[place])
 
 
 def _words(first: pd.Series) -> str:

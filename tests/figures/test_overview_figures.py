@@ -127,3 +127,24 @@ def test_reference_lines_are_drawn_where_they_are_near():
     assert "unstable below" in said
     assert "far away" not in said
     assert any(list(line.get_ydata()) == [0.75, 0.75] for line in ax.lines)
+
+
+@pytest.mark.parametrize("high", ["duty_factor", "speed"])
+def test_words_of_a_reference_line_touch_no_point(high):
+    """Points fall towards the line, so that it is free at one end of one side of it only."""
+    slow = np.linspace(20.0, 40.0, 24)
+    duty = 0.83 - 0.005 * (slow - 20.0) + 0.004 * (-1.0) ** np.arange(24)
+    points = pd.DataFrame(
+        {"animal": [f"m{k}" for k in range(24)], "trial": "t", "duty_factor": duty, "speed": slow}
+    )
+    low = "speed" if high == "duty_factor" else "duty_factor"
+    table = figures.build_regression_table(points, [(high, low)], points="animal")
+    ax = figures.plot_regression(table, references={"duty_factor": (0.75, "unstable below (X)")})
+    ax.figure.canvas.draw()
+    (words,) = (text for text in ax.texts if "unstable" in text.get_text())
+    box = words.get_window_extent()
+    at = ax.transData.transform(points[[low, high]].to_numpy(float))
+    assert not any(box.contains(u, v) for u, v in at)
+    inside = ax.get_window_extent()
+    assert inside.x0 - 2 <= box.x0
+    assert box.x1 <= inside.x1 + 2
