@@ -17,6 +17,8 @@ from pawnb.core.pixels.grey import grey
 from pawnb.errors import InputError
 from pawnb.signals.robust import MAD_TO_SD
 
+_MOST_REPEATS = 12
+"""So many lines may be taken for one, at most."""
 _SHORTEST_PX = 6.0
 """Lines nearer to each other than this are not distinguished from texture."""
 _FEWEST_LINES = 4
@@ -215,7 +217,9 @@ def _find_pitch(flat: Float32Array) -> tuple[float, float] | None:
 def _repeats(log: Float32Array, pitch: float, angle_deg: float) -> int:
     """Return how many lines there really are in what was taken for one period.
 
-    If only every second (third) multiple of the frequency stands out, there are two (three).
+    If only every second (third, ...) multiple of the frequency stands out, there are two (three).
+    Lines a few pixels apart have multiples beyond what pixels can show, which come back as others:
+    a grid 7.3 px wide repeats itself in whole pixels every 73.
     """
     turn = np.radians(angle_deg)
     along = np.array([np.sin(turn), np.cos(turn)]) / pitch
@@ -224,7 +228,7 @@ def _repeats(log: Float32Array, pitch: float, angle_deg: float) -> int:
         top = min(24, int(_HIGHEST / np.hypot(*step)))
         heights.append([_height(log, k * step) - _between(log, k * step, step) for k in
                         range(1, top + 1)])  # fmt: skip
-    for many in (2, 3):
+    for many in range(2, _MOST_REPEATS + 1):
         others = [h for row in heights for k, h in enumerate(row, 1) if k % many]
         every = [h for row in heights for k, h in enumerate(row, 1) if not k % many]
         if every and np.mean(others) < 0.25 * np.mean(every):

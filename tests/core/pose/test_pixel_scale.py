@@ -50,6 +50,20 @@ def test_a_painted_grid_is_measured_to_a_thousandth(pitch, angle, depth, noise):
         assert 0.6 * extent / pitch < n <= extent / pitch + 1
 
 
+@pytest.mark.parametrize(
+    ("pitch", "width", "depth"),
+    [
+        (24.0, 0.8, 0.05),  # taken for every second line
+        (7.3, 0.5, 0.05),  # for every third
+        (7.3, 2.0, 0.3),  # for every tenth: the grid repeats itself in 73 whole pixels
+    ],
+)
+def test_several_lines_are_not_taken_for_one_period(pitch, width, depth):
+    picture = grid(pitch, 0.0, np.random.default_rng(1), width=width, depth=depth, size=(480, 384))
+    found = scale_from_grid(picture, spacing=10.0)
+    assert found.px_per_unit == pytest.approx(pitch / 10, rel=2e-3)
+
+
 def test_bright_lines_and_a_spider_on_the_grid_do_no_harm():
     rng = np.random.default_rng(0)
     animal = load_species("dolomedes")

@@ -194,6 +194,7 @@ def test_own_species_file(tmp_path):
         ("attach = [1.0, 0.5]", "attach = [1.0, -0.5]", "right leg on the left side"),
         ("attach =", "free = []\nattach =", r"free is \[\]; expected a list of one or more"),
         ("width = 2.0", "width = 0.0", "width is 0"),
+        ("attach =", "widths = [0.5, 0.2, 0.0]\nattach =", "a width is 0; expected numbers above"),
         ("width = 2.0", "", "width missing"),
         ("[[body]]", "[body]", r"write \[\[body\]\]"),
         ('name = "two legs"', "name = ", "not a TOML file"),

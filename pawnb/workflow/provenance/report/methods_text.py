@@ -92,7 +92,7 @@ def methods_paragraphs(
         Paragraphs: data, events and filter, statistics, what was dropped, programs and sources.
     """
     tracking = tracking_sentences(tracked)
-    said = [_data(tables, further), *([tracking] if tracking else []), _events(tables, step)]
+    said = [_subjects(tables, further), *([tracking] if tracking else []), _events(tables, step)]
     return [
         *said,
         _statistics(tables, further),
@@ -102,7 +102,7 @@ def methods_paragraphs(
     ]
 
 
-def _data(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
+def _subjects(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     """Say of whom, how many strides of each, in which groups and in which unit."""
     who = tables.events[["animal", "trial"]].drop_duplicates()
     strides = tables.strides
