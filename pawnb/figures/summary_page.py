@@ -184,17 +184,32 @@ def _new_page(height: float, *, further: int) -> Any:
     return figure
 
 
+def _part_of_bars(table: pd.DataFrame, start: float, stop: float) -> pd.DataFrame:
+    """Return bars as far as they are within a stretch; those that go on beyond it are cut.
+
+    Bars outside have no width, so that each leg keeps its row.
+    """
+    begin, end = table["start_s"].clip(start, stop), table["end_s"].clip(start, stop)
+    shown, stance = end > begin, table["phase"] == "stance"
+    cut = table["cut"].where(shown, "")
+    cut = cut.mask(shown & stance & (begin > table["start_s"]), "start")
+    cut = cut.mask(shown & stance & (end < table["end_s"]), "end")
+    return table.assign(start_s=begin, end_s=end, cut=cut)
+
+
 def _draw_diagram(part: Any, events: pd.DataFrame, strides: pd.DataFrame) -> Axes:
     """Draw some strides of the trial that has the most."""
     ax: Axes = part.subplots()
     trial = strides["trial"].value_counts(sort=True).index[0]
     own = events[events["trial"] == trial]
-    plot_gait_diagram(build_gait_diagram_table(own), ax=ax)
+    table = build_gait_diagram_table(own)
     period = float(strides.loc[strides["trial"] == trial, "period_s"].median())
-    low, high = ax.get_xlim()
+    low, high = float(table["start_s"].min()), float(table["end_s"].max())
     span_s = _SHOWN_STRIDES * period
     start = choose_window(strides[strides["trial"] == trial], (low, high), span_s)
-    ax.set_xlim(start, min(high, start + span_s))
+    stop = min(high, start + span_s)
+    plot_gait_diagram(_part_of_bars(table, start, stop), ax=ax)
+    ax.set_xlim(start, stop)
     _title(part, f"a  Gait diagram, trial {trial}")
     return ax
 

@@ -21,13 +21,13 @@ def _close():
     plt.close("all")
 
 
-def tables(legs=("L1", "R1")):
+def tables(legs=("L1", "R1"), n=6):
     events = pd.DataFrame(
         [
             {"animal": "a", "trial": "t", "leg": leg, "event": event,
              "time_s": (0.2 + 0.01 * (k > 2)) * k + late + 0.1 * leg.startswith("R")}
             for leg in legs
-            for k in range(6)
+            for k in range(n)
             for event, late in (("TD", 0.0), ("LO", 0.12))
         ]
     )  # fmt: skip
@@ -67,6 +67,19 @@ def test_the_page_is_a4_and_says_what_it_lacks():
     assert "4.77 (0.27)" in words  # mean and SD of the frequencies above
     alone = texts(page(tables(("L1",))).get_figure(root=True))
     assert "no phases: fewer than two legs with strides at the same time" in alone
+
+
+def test_stances_that_the_stretch_cuts_are_pale():
+    """The line above the diagram says that pale ones go on beyond what is shown."""
+    ax = page(tables(n=40))
+    low, high = ax.get_xlim()
+    bars = [(bar.get_x(), bar.get_x() + bar.get_width(), bar.get_alpha()) for bar in ax.patches]
+    bars = [bar for bar in bars if bar[1] > bar[0]]
+    assert all(low - 1e-9 <= start and end <= high + 1e-9 for start, end, _ in bars)
+    lasts_s = 0.12  # from TD to LO, as the events say
+    for start, end, alpha in bars:
+        assert (alpha < 1) == (end - start < lasts_s - 1e-6)
+    assert {alpha < 1 for _, _, alpha in bars} == {False, True}
 
 
 def test_bad_input_is_refused():
