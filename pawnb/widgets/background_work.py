@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -62,6 +63,13 @@ class BackgroundWork(widgets.HBox):  # type: ignore[misc]
                 self._failed(str(error))
             except KeyboardInterrupt:
                 self._failed("stopped before anything was tracked.")
+            except Exception as error:  # noqa: BLE001, in this thread nobody else would hear of it
+                traceback.print_exc()  # into the log, for whoever mends it
+                self._failed(
+                    f"{doing}: this is a fault of pawnb itself ({type(error).__name__}: {error}). "
+                    "What was there before is kept; report it with the lines in the log "
+                    "(View > Show Log Console)."
+                )
             finally:
                 self.layout.display = "none"
                 self._around()
