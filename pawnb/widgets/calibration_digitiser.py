@@ -65,7 +65,7 @@ class CalibrationDigitiser(FrameCanvas):
     folder : str or Path
         Where clicks and calibration go; default the current folder.
     trial : Trial, optional
-        The trial that a measured scale is written into.
+        The trial that a measured scale is written into; its own films are shown as it aligns them.
     **options
         The options of :class:`FrameCanvas`.
 
@@ -119,14 +119,20 @@ class CalibrationDigitiser(FrameCanvas):
         known = None if points is None else read_known_points(points)
         found = board if board is None or isinstance(board, Board) else read_board(board)
         self.trial = trial
-        self._own_views = _open(pictures)
+        offsets = {} if trial is None else _offsets_of(trial, pictures)
+        if found is not None and len(set(offsets.values())) > 1:
+            raise InputError(
+                "the films of the trial were not started together, and pictures of a board are "
+                "taken by their number in each file: name films of the board that begin together."
+            )
+        self._own_views = _open(pictures, offsets)
         self._worker: threading.Thread | None = None
         self._doing = ""
         self._snaps = False
         self.measuring: ScaleClicks | None = None
         self._measured_view = next(iter(pictures))
         sizes = {name: (r.width, r.height) for name, r in self._own_views.readers.items()}
-        span = (0, self._own_views.n_frames - 1)
+        span = (self._own_views.first_frame, self._own_views.n_frames - 1)
         folder = Path(folder)
         self.session: PointCalibration | BoardPictures | WandClicks | None = None
         if known is not None:
@@ -373,7 +379,18 @@ class CalibrationDigitiser(FrameCanvas):
         self._tell(f"{measuring.prompt(unit)}{words}", actions)
 
 
-def _open(pictures: Mapping[str, str | Path]) -> ViewSet:
+def _offsets_of(trial: Trial, pictures: Mapping[str, str | Path]) -> dict[str, int]:
+    """Return the offsets of a trial's own films, where these are clicked in; else 0."""
+    own = {view.name: view for view in trial.views}
+    return {
+        name: own[name].offset
+        if name in own and Path(path).absolute() == trial.path(own[name].video).absolute()
+        else 0
+        for name, path in pictures.items()
+    }
+
+
+def _open(pictures: Mapping[str, str | Path], offsets: Mapping[str, int]) -> ViewSet:
     """Open the pictures of each view, as filmed."""
     if not pictures:
         raise InputError("no pictures are given; name those of each view: {'side': 'side.mp4'}.")
@@ -381,4 +398,4 @@ def _open(pictures: Mapping[str, str | Path]) -> ViewSet:
         str(name): open_view(View(name=str(name), video=str(Path(path).absolute())), Path())
         for name, path in pictures.items()
     }
-    return ViewSet(readers, fps=_FPS)
+    return ViewSet(readers, fps=_FPS, offsets=offsets)

@@ -66,3 +66,27 @@ def test_pictures_of_another_size_than_the_film_do_not_calibrate_it(bare):
         asked.use()
     assert pawnb.load_trial(bare).calibration is None
     asked.close()
+
+
+def test_a_wand_in_the_trials_own_films_is_clicked_at_one_instant(bare):
+    """Films that were not started together are shown as the trial aligns them."""
+    form = TrialForm([bare / "cam1.avi", bare / "cam2.avi"])
+    form.fps.value = "250"
+    for row, frame in zip(form._rows, "74", strict=True):
+        row._flash.field.value = frame
+    form.write()
+    form.close()
+    asked = CalibrationForm(pawnb.load_trial(bare))
+    asked.way.value, asked.length.value = "wand", "10"
+    asked.begin()
+    views = asked.digitiser._own_views
+    numbers = []
+    for shown in views.frame(2).values():  # each picture carries its number as a bar code
+        row = shown.image()[scene.SQUARE // 2, :, 0]
+        bits = row[scene.SQUARE // 2 :: scene.SQUARE][: scene.BITS] > 128
+        numbers.append(int(np.dot(bits, 1 << np.arange(scene.BITS))))
+    assert numbers == [5, 2]
+    asked.way.value, asked.squares.value, asked.side.value = "board", "8 x 6", "5"
+    with pytest.raises(InputError, match="were not started together"):
+        asked.begin()
+    asked.close()
