@@ -19,6 +19,8 @@ COLUMNS = ("frame", "leg", "joint", "u", "v")
 
 TIP = "tip"
 """What the outer end of a leg is called in the table."""
+_NAME_PT = 8.0
+"""Distance of a leg's name from its tip."""
 _MARGIN = 0.15
 
 
@@ -120,10 +122,12 @@ def plot_pose_overlay(
             ax.plot(
                 chain["u"], chain["v"], "-o", color=colours[str(leg)], markersize=2.0, linewidth=1.2
             )
-            tip = chain.iloc[-1]
+            places = chain[["u", "v"]].to_numpy(dtype=float)
+            away = places[-1] - places[0]  # beyond the tip the name lies on no part of its leg
+            right, down = away / (float(np.hypot(*away)) or 1.0) * _NAME_PT
             ax.annotate(
-                str(leg), (tip["u"], tip["v"]), xytext=(3, 3), textcoords="offset points",
-                color=colours[str(leg)],
+                str(leg), tuple(places[-1]), xytext=(right, -down), textcoords="offset points",
+                color=colours[str(leg)], ha="center", va="center",
             )  # fmt: skip
         low, high = known[["u", "v"]].min(), known[["u", "v"]].max()
         room = _MARGIN * float((high - low).max())

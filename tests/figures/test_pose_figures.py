@@ -35,6 +35,18 @@ def test_legs_go_from_the_body_to_the_tip(tracks):
     plt.close("all")
 
 
+def test_the_name_of_a_leg_lies_on_no_part_of_it(tracks):
+    ax = plot_pose_overlay(build_pose_overlay_table(tracks, frame=5))
+    ax.figure.canvas.draw()
+    for text, line in zip(ax.texts, ax.lines, strict=True):
+        u, v = line.get_data()
+        along = np.linspace(0, len(u) - 1, 200)
+        own = np.stack([np.interp(along, range(len(u)), xs) for xs in (u, v)], axis=1)
+        box = text.get_window_extent()
+        assert not box.count_contains(ax.transData.transform(own))
+    plt.close("all")
+
+
 def test_a_frame_without_a_pose_and_points_without_joints_are_refused(tracks):
     with pytest.raises(InputError, match="frame 9 is not tracked; choose one of 4 to 5"):
         build_pose_overlay_table(tracks, frame=9)
