@@ -226,8 +226,6 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             )
         return [self._cell(state.name), *marks, widgets.HBox(buttons, layout=ROW)]
 
-    # --- the tools ----------------------------------------------------------------------------
-
     def _start(self, state: TrialState, frame: int | None = None) -> Any:
         """Return the widget that makes the start, and the button that goes on."""
         trial = described(state)
@@ -310,10 +308,12 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self.do("gait", state.folder)
 
     def _results(self, state: TrialState) -> Any:
-        """Return the results: figures to look through, and the explorer of strides."""
+        """Return the results: figures to look through, the explorer of strides, and the report."""
         strides = self._button("Look through the strides", lambda: self._strides(state))
+        write = lambda: partial(self._tell, self.session.report(state))  # noqa: E731
+        report = self._button("Write the report", lambda: self._begin("Writing the report", write))
         figures, said = self.session.figures(state), self.session.remarks(state)
-        return Tool(show_results(figures, said), [strides])
+        return Tool(show_results(figures, said), [strides, report])
 
     def _strides(self, state: TrialState) -> None:
         """Open the explorer of strides."""

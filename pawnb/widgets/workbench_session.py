@@ -24,6 +24,7 @@ from pawnb.workflow.gait.sources import recording_name
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.notes import noted_warnings
+from pawnb.workflow.provenance.report.report import REPORT_FILE, write_report
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
     note_failure,
@@ -259,6 +260,11 @@ class WorkbenchSession:
     def gait(self, state: TrialState) -> GaitRun:
         """Analyse the gait of a trial, and write tables and the main figures."""
         return run_gait([described(state).folder], figures="main")
+
+    def report(self, state: TrialState) -> str:
+        """Write one page on the gait of a trial, ``report.html`` beside it; says where it is."""
+        path = write_report(state.folder, out=state.folder / REPORT_FILE)
+        return f"{state.name}: wrote {path}. A double click on it in the list of files opens it."
 
     def tracks(self, state: TrialState) -> Tracks:
         """Return the tracks of a trial, those made elsewhere as well."""

@@ -36,3 +36,15 @@ def test_what_was_changed_since_tracking_stands_above_the_review(tracked, opened
     file.write_text(file.read_text().replace('"cam2.avi"\n', '"cam2.avi"\noffset = 3\n'))
     first, _ = review_notes(opened(tracked), tracked)
     assert "offset of cam2 was changed from 0 to 3" in first
+
+
+def test_the_report_is_written_from_the_results(tracked, opened):
+    bench = opened(tracked)
+    bench.session._reviewed.add(tracked)
+    bench.do("look", tracked)
+    (report,) = [b for b in bench.tool.children[0].children if b.description == "Write the report"]
+    report.click()
+    bench.work.wait()
+    page = (tracked / "report.html").read_text()
+    assert "small" in page
+    assert "report.html" in bench._told.value
