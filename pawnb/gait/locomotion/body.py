@@ -18,7 +18,13 @@ from pawnb.gait.locomotion.body_path import (
 )
 from pawnb.gait.locomotion.direction import choose_direction, find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
-from pawnb.gait.locomotion.time_scales import Scales, choose_scales, say_scales, stepping_frequency
+from pawnb.gait.locomotion.time_scales import (
+    Scales,
+    choose_scales,
+    say_scales,
+    stepping_frequency,
+    without_jitter,
+)
 from pawnb.gait.strides.bouts import Bouts, find_bouts
 from pawnb.kinematics import (
     BodyFrame,
@@ -312,7 +318,9 @@ def _runs_on_a_belt(
     if others is not None:
         points = BodyPath(source="points", band=1.0)
         moving = follow_body(feet, points, others, frequency_hz=stride_hz, fs_hz=fs)
-    carried = is_carried(feet, moving, settings)
+    # jitter goes through the picture as it goes against the body: as if it were carried
+    calm = without_jitter(feet.positions, frequency_hz=stride_hz, fs_hz=fs)
+    carried = is_carried(replace(feet, positions=calm), moving, settings)
     return not is_travelling(feet.positions, path) if carried is None else carried
 
 

@@ -130,6 +130,30 @@ def least_excursion(position: FloatArray, settings: EventSettings) -> float:
     return settings.min_excursion_fraction * float(high - low)
 
 
+def without_jitter(positions: FloatArray, *, frequency_hz: float, fs_hz: float) -> FloatArray:
+    """Return positions after the low-pass that a stride frequency asks for, gaps bridged.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, ...)
+        Positions; NaN where missing.
+    frequency_hz : float
+        Stride frequency; where it is not known, gaps are bridged only.
+    fs_hz : float
+        Sampling rate.
+
+    Returns
+    -------
+    ndarray
+        Of the same shape.
+    """
+    filled = fill_gaps(positions, max_gap=len(positions))
+    if not 0.0 < frequency_hz < math.inf:
+        return filled
+    cutoff = min(_CUTOFF_STRIDES * frequency_hz, _UNFILTERED_ABOVE * fs_hz)
+    return butterworth_lowpass(filled, cutoff_hz=cutoff, fs_hz=fs_hz)
+
+
 def stepping_frequency(
     position: FloatArray, settings: EventSettings, *, fs_hz: float, guess: float
 ) -> float:
@@ -160,8 +184,7 @@ def stepping_frequency(
 
     def count_after(frequency: float) -> float:
         """Count steps after the low-pass that a stride frequency asks for."""
-        cutoff = min(_CUTOFF_STRIDES * frequency, _UNFILTERED_ABOVE * fs_hz)
-        smooth = butterworth_lowpass(filled, cutoff_hz=cutoff, fs_hz=fs_hz)
+        smooth = without_jitter(filled, frequency_hz=frequency, fs_hz=fs_hz)
         return _turning_frequency(smooth, settings, fs_hz)
 
     frequency = _turning_frequency(filled, settings, fs_hz)

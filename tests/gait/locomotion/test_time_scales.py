@@ -26,3 +26,5 @@ def test_jitter_of_a_tenth_of_a_stride_makes_no_strides(fps, period, share, duty
     assert len(tables.strides) == pytest.approx(4 * (5.0 / period - 1.5), rel=0.1)
     (cutoff,) = re.findall("low-pass ([0-9.]+) Hz", "\n".join(tables.notes))
     assert float(cutoff) == pytest.approx(10.0 / period, rel=0.15)  # ten times the frequency
+    # jitter goes with the picture, and was taken for a belt that carries the feet: no speed
+    assert tables.strides["speed"].mean() == pytest.approx(walk.speed, rel=0.01)
