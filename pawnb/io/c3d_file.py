@@ -16,7 +16,7 @@ from pawnb.io.extras import need
 from pawnb.io.hdf5 import HDF5_FAULTS
 from pawnb.io.lengths import units_per_unit
 from pawnb.io.outgoing import take_space
-from pawnb.io.points import build_tracks
+from pawnb.io.points import build_tracks, by_subject, check_names
 from pawnb.schema import Tracks
 
 _EXPECTED = "a C3D file"
@@ -41,7 +41,8 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     Returns
     -------
     xarray.Dataset
-        Tracks in space without confidence; frame 1 of the file is frame 0. Points whose residual
+        Tracks in space without confidence; frame 1 of the file is frame 0. Labels such as
+        ``m07:FR`` (Vicon) are points of the animal m07, one or several. Points whose residual
         is negative were not seen, and neither were those exactly at (0, 0, 0), as some programs
         mark them.
 
@@ -97,14 +98,17 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
             InputWarning,
             stacklevel=2,
         )
+    check_names(points[:n], what="point", where=path.name)
+    points, animals, place = by_subject(points[:n], place)
     return build_tracks(
         [number - 1 for number, _ in rows],
-        place[:, :, None],
-        points=points[:n],
+        place,
+        points=points,
         fps=fps or rate,
         unit=unit or found or "mm",
         program="C3D",
         where=path.name,
+        individuals=animals,
     )
 
 

@@ -15,7 +15,7 @@ from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_text
 from pawnb.io.lengths import units_per_unit
-from pawnb.io.points import build_tracks
+from pawnb.io.points import build_tracks, by_subject, check_names
 from pawnb.schema import Tracks
 
 _TRC, _QTM = "a .trc with markers, as OpenSim reads it", "a .tsv with 3D markers, as QTM writes it"
@@ -212,13 +212,12 @@ def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None =
     -------
     xarray.Dataset
         Tracks in space without confidence; frame 1 of the file is frame 0. Empty cells and
-        (0, 0, 0) are markers that were not seen. Markers are called without their subject.
+        (0, 0, 0) are markers that were not seen. Subjects are the animals.
 
     Raises
     ------
     InputError
-        If the file is damaged or of several subjects, or its unit cannot be brought to that
-        which is given.
+        If the file is damaged, or its unit cannot be brought to that which is given.
 
     Warns
     -----
@@ -242,19 +241,13 @@ def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None =
     n = len(own)
     if own != list(range(2, 2 + 3 * n, 3)):
         raise InputError(f"{where}: markers stand in other columns; expected {_VICON}.")
-    subjects = list(dict.fromkeys(lines[2][i].rpartition(":")[0] for i in own))
-    if len(subjects) > 1:
-        raise InputError(
-            f"{where}: markers of {len(subjects)} subjects ({', '.join(subjects)}); export each "
-            "into a file of its own."
-        )
     return _tracks(
         _Capture(
-            where=where, program="Vicon", markers=[lines[2][i].rpartition(":")[2] for i in own],
+            where=where, program="Vicon", markers=[lines[2][i] for i in own],
             rate_hz=_number(lines[1][0], "the rate", where), unit=lines[4][2] or "mm",
             rows=[(i, cells[: 2 + 3 * n]) for i, cells in rows[5:]], counted=2,
         ),
-        fps, unit, individual=subjects[0] or "animal",
+        fps, unit,
     )  # fmt: skip
 
 
@@ -282,9 +275,7 @@ def _number(said: str | None, what: str, where: str) -> float:
     return value
 
 
-def _tracks(
-    said: _Capture, fps: float | None, unit: str | None, *, individual: str = "animal"
-) -> Tracks:
+def _tracks(said: _Capture, fps: float | None, unit: str | None) -> Tracks:
     """Make Tracks of what a file says."""
     where, width = said.where, said.counted + 3 * len(said.markers)
     if not said.rows or not said.markers:
@@ -307,17 +298,19 @@ def _tracks(
             "expected a number, or an empty cell."
         )
     _tell_doubts(said, fps)
-    place = values[:, said.counted :].reshape(len(cells), -1, 1, 3)
+    place = values[:, said.counted :].reshape(len(cells), -1, 3)
     place = np.where((place == 0).all(axis=-1, keepdims=True), np.nan, place)
+    check_names(said.markers, what="marker", where=where)
+    points, animals, place = by_subject(said.markers, place)
     return build_tracks(
         _frames(values[:, : said.counted], said),
         place * (1.0 if unit is None else units_per_unit(said.unit, unit, where=where)),
-        points=said.markers,
+        points=points,
         fps=fps or said.rate_hz,
         unit=unit or said.unit,
         program=said.program,
         where=where,
-        individuals=[individual],
+        individuals=animals,
     )
 
 

@@ -119,6 +119,38 @@ def plain_name(name: str) -> str:
     return wrapped[1] if wrapped else name
 
 
+def by_subject(labels: Sequence[str], place: FloatArray) -> tuple[list[str], list[str], FloatArray]:
+    """Take markers called ``subject:marker``, as motion capture calls them, apart.
+
+    Parameters
+    ----------
+    labels : sequence of str
+        Names of the markers.
+    place : ndarray, shape (n_rows, n_markers, n_axes)
+        Their places.
+
+    Returns
+    -------
+    list of str
+        Points. Labels as they are, unless all name a subject but those that begin with ``*``,
+        which nobody named.
+    list of str
+        Individuals: the subjects, or one of no name.
+    ndarray, shape (n_rows, n_points, n_individuals, n_axes)
+        Places, NaN for a marker that a subject does not have.
+    """
+    parts = [label.rpartition(":") for label in labels]
+    named = [part for part in parts if not part[2].startswith("*")]
+    if not named or not all(part[0] and part[2] for part in named):
+        return list(labels), ["animal"], place[:, :, None]
+    who = list(dict.fromkeys(part[0] for part in named))
+    points = list(dict.fromkeys(part[2] for part in parts))
+    found = np.full((len(place), len(points), len(who), place.shape[2]), np.nan)
+    for k, (subject, _, point) in enumerate(parts):
+        found[:, points.index(point), who.index(subject) if subject else 0] = place[:, k]
+    return points, who, found
+
+
 def check_names(names: Sequence[str], *, what: str, where: str) -> None:
     """Refuse names that are empty or there twice.
 

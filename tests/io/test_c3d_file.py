@@ -42,3 +42,10 @@ def test_another_frame_rate_is_said(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert read_c3d(path, fps=200.0).attrs["fps"] == 200.0
+
+
+def test_a_subject_before_the_labels_is_the_animal(tmp_path):
+    # Vicon's labels; m1:FR and m1:HR were taken for one middle leg
+    tracks = read_c3d(clip(tmp_path / "clip.c3d", points=("m1:FR", "m1:HR")))
+    assert tracks["keypoint"].to_numpy().tolist() == ["FR", "HR"]
+    assert tracks["individual"].to_numpy().tolist() == ["m1"]

@@ -7,6 +7,7 @@ import pytest
 
 from pawnb.errors import InputError, InputWarning
 from pawnb.io import read_any_tracks, read_qtm, read_trc, read_vicon, recognise_format
+from pawnb.io.points import by_subject
 from pawnb.workflow.gait.sources import read_source
 
 PLACE = np.random.default_rng(5).uniform(1.0, 90.0, (4, 2, 3)).round(3)
@@ -111,11 +112,34 @@ def test_vicon(tmp_path):
     assert tracks["individual"].to_numpy().tolist() == ["m07"]
 
 
+def test_subjects_are_animals(tmp_path):
+    tracks = read_vicon(vicon(tmp_path / "walk.csv", subjects=("m07", "m08")))
+    assert tracks["individual"].to_numpy().tolist() == ["m07", "m08"]
+    place = tracks["position"].transpose("time", "keypoint", "individual", "space").to_numpy()
+    np.testing.assert_allclose(place[:, [0, 1], [0, 1]], PLACE)
+    assert np.isnan(place[:, [0, 1], [1, 0]]).all()
+
+
+@pytest.mark.parametrize(
+    ("labels", "points", "animals"),
+    [
+        (["m1:FR", "m1:HR"], ["FR", "HR"], ["m1"]),
+        (["m1:FR", "m2:FR"], ["FR"], ["m1", "m2"]),
+        (["m1:FR", "*12"], ["FR", "*12"], ["m1"]),  # Vicon: a trajectory that nobody named
+        (["m1:FR", "HR"], ["m1:FR", "HR"], ["animal"]),
+        (["FR", "HR"], ["FR", "HR"], ["animal"]),
+    ],
+)
+def test_labels_of_subjects_are_taken_apart(labels, points, animals):
+    # m1:FR was taken for a middle leg by its m
+    found = by_subject(labels, PLACE)
+    assert found[:2] == (points, animals)
+    assert np.isfinite(found[2]).sum() == np.isfinite(PLACE).sum()
+
+
 def test_what_is_wrong_with_motion_capture_is_one_sentence(tmp_path):
     with pytest.raises(InputError, match=r"walk.tsv: it holds 6D data; expected .*choose 3D"):
         read_qtm(qtm(tmp_path / "walk.tsv", included="6D"))
-    with pytest.raises(InputError, match=r"markers of 2 subjects \(m07, m08\); export each"):
-        read_vicon(vicon(tmp_path / "walk.csv", subjects=("m07", "m08")))
     with pytest.raises(InputError, match=r"line 7 has more cells than the 1 markers need"):
         read_trc(trc(tmp_path / "walk.trc", markers="FR\t\t"), unit="mm")
     path = trc(tmp_path / "walk.trc")
