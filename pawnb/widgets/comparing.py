@@ -26,7 +26,7 @@ class Comparing(Retracking):
     _differences_of: Tracks | None = None
     _difference_at = 0
 
-    def _compare(
+    def _compare_tracks(
         self,
         tracks: Tracks,
         against: Tracks | Literal["before"] | None,

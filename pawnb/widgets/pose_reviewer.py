@@ -125,7 +125,7 @@ class PoseReviewer(StickPoser, Comparing):
         self._size = (reader.width, reader.height)
         self._open_tracks(tracks, frame=frame)
         named = options.pop("against_name", None)
-        self._compare(tracks, against, named, listed=[*self.session.colours])
+        self._compare_tracks(tracks, against, named, listed=[*self.session.colours])
         self._offer_doubtful(self.session.suspects())
         super().__init__(trial, session=self.session, views=shown, **options)
         self._own_views = shown if views is None else None

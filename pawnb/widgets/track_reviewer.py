@@ -144,7 +144,7 @@ class TrackReviewer(Comparing, Questions):
             before=None if write is not None else self._tracks_before(folder),
         )
         self._open_tracks(as_described_now(tracks, trial))
-        self._compare(tracks, against, against_name, rig=rig)
+        self._compare_tracks(tracks, against, against_name, rig=rig)
         self._offer_doubtful(self._find_doubtful())
         first, last = self.session.span
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
