@@ -81,7 +81,11 @@ def check_file(
                 f"{path}: a link to {path.readlink()}, which is not there; expected {expected}."
             ) from None
         near = did_you_mean(path.name, _neighbours(path))
-        raise error(f"{path}: no such file{near}; expected {expected}.") from None
+        # a trial or study written on Windows; there a backslash never stands in a name
+        mend = (
+            ": write / for \\ in paths, which every system understands" if "\\" in path.name else ""
+        )
+        raise error(f"{path}: no such file{near}; expected {expected}{mend}.") from None
     except (OSError, ValueError, RuntimeError) as reason:  # no access, a loop, a name that is none
         said = getattr(reason, "strerror", None) or reason
         raise error(f"{str(path)!r}: cannot be read ({said}); expected {expected}.") from None
@@ -231,7 +235,8 @@ def parse_toml(text: str, *, where: str, error: type[InputError] = InputError) -
     except RecursionError:
         raise error(f"{where}: nested too deeply; expected plain settings.") from None
     except ValueError as reason:  # TOMLDecodeError, or a number of thousands of digits
-        raise error(f"{where}: not a TOML file ({reason}); mend that line.") from None
+        mend = " (in paths write / for \\)" if "\\" in str(reason) else ""
+        raise error(f"{where}: not a TOML file ({reason}); mend that line{mend}.") from None
     _check_values(document, where, error)
     return document
 

@@ -106,3 +106,11 @@ def test_sound_settings_are_read():
         "a": {"b": {"c": [0.1, 0.2, 0.0015]}},
         "views": [{"video": "../../x.y.z/cam.1.2.avi", "n": -1}],
     }
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there a backslash leads into a folder")
+def test_a_path_written_on_windows_is_told_how_to_write_it(tmp_path):
+    with pytest.raises(InputError, match=r"write / for \\ in paths, which every system"):
+        check_file(tmp_path / r"films\cam1.avi")
+    with pytest.raises(InputError, match=r"mend that line \(in paths write / for \\\)\.$"):
+        parse_toml('video = "films\\cam1.avi"\n', where="trial.toml")
