@@ -70,6 +70,8 @@ def test_residual_figure_shows_curve_line_and_cutoff():
         assert ax.texts[0].get_text() == f"cut-off {chosen:.2f} Hz"
         corner = ax.lines[3].get_xydata()
         np.testing.assert_allclose(corner[1], [chosen, own["noise_rms"].iloc[0]])
+        # Winter 2009: the line through the noise meets the axis at the noise's RMS
+        np.testing.assert_allclose(ax.lines[2].get_xydata()[0], [0.0, own["noise_rms"].iloc[0]])
 
 
 def test_residual_figure_says_when_there_is_no_cutoff():

@@ -167,7 +167,13 @@ def test_any_points_may_be_clicked_in_any_number_of_frames(trial):
     assert session.missing() == "Nothing is missing."
     with pytest.raises(InputError, match=r"frame 40 is not in the trial \(0 to 39\)"):
         session.go(40)
-    check_start(session.table(), trial, SIZES)
+    start = session.table()
+    check_start(start, trial, SIZES)
+    # frame by frame, in each as the points are asked for
+    assert start["frame"].is_monotonic_increasing
+    for _, own in start.groupby("frame"):
+        told = list(own[["view", "point"]].itertuples(index=False, name=None))
+        assert told == [slot for slot in ORDER if slot in told]
     assert session_of(trial).clicks == session.clicks  # and they are gone on with
 
 
