@@ -6,6 +6,7 @@ asserted by pycircstat2's tests; CircStat for MATLAB; R's package circular 0.4-9
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -153,6 +154,23 @@ def test_smallest_p_that_two_groups_allow(test, k):
     said = f"with {k} and {k} animals no p below {least:.2g} is possible"
     assert (said in found.note) == (k < 5)
     assert (said in str(found)) == (k < 5)
+
+
+def test_p_of_three_groups_is_the_share_of_all_arrangements():
+    """Every order of nine phases, by the statistic that takes no permutation."""
+    phases = np.array([0.05, 0.1, 0.3, 0.15, 0.4, 0.45, 0.6, 0.7, 0.2])
+    groups = np.repeat([0, 1, 2], 3)
+    around = np.exp(2j * np.pi * np.argsort(np.argsort(phases)) / 9)
+    every = [
+        sum(abs(around[list(one)].sum()) ** 2 for one in (a, b, set(range(9)) - {*a, *b}))
+        for a in itertools.combinations(range(9), 3)
+        for b in itertools.combinations(sorted(set(range(9)) - set(a)), 3)
+    ]
+    own = sum(abs(around[groups == k].sum()) ** 2 for k in range(3))
+    share = np.mean(np.array(every) >= own - 1e-9)
+    found = wheeler_watson_test(phases, [f"g{k}" for k in groups], n_permutations=5000)
+    # three standard errors of a share of 5000
+    assert found.p == pytest.approx(share, abs=3 * np.sqrt(share * (1 - share) / 5000))
 
 
 def test_smallest_p_of_three_groups():
