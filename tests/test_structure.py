@@ -1,4 +1,4 @@
-"""The house stays one in which a room is found: limits of folders and files, and what doors say."""
+"""Every part is found by its name: limits of folders and files, and what each package says."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ PACKAGE = ROOT / "pawnb"
 
 FILES_IN_A_FOLDER = 15
 """In core, gait and workflow, the ``__init__`` among them."""
-ROOMS_OF_A_STAGE = 12
+FILES_OF_A_STAGE = 12
 """At most a dozen in a folder of the default tracker of paws, beside the ``__init__``."""
 LINES = 420
 """About 400. Compiled loops may take more where one thought needs them."""
@@ -29,7 +29,7 @@ ONE_THOUGHT = {
 """Functions that are longer, and why."""
 GROUPED = ("core", "gait", "workflow")
 DATA = {"pawnb/core/pose/species"}
-"""Folders of data, which have no rooms behind their door."""
+"""Folders of data, which hold no modules."""
 
 
 @functools.cache
@@ -49,10 +49,10 @@ def test_no_folder_is_too_full(part):
     assert len(counts) > 5
 
 
-def test_no_stage_of_the_default_tracker_has_more_than_a_dozen_rooms():
-    rooms = (PACKAGE / "core" / "paws" / "offline").rglob("*.py")
-    counts = Counter(folder_of(path) for path in rooms if path.stem != "__init__")
-    assert {name: n for name, n in counts.items() if n > ROOMS_OF_A_STAGE} == {}
+def test_no_stage_of_the_default_tracker_has_more_than_a_dozen_files():
+    files = (PACKAGE / "core" / "paws" / "offline").rglob("*.py")
+    counts = Counter(folder_of(path) for path in files if path.stem != "__init__")
+    assert {name: n for name, n in counts.items() if n > FILES_OF_A_STAGE} == {}
     assert len(counts) > 10
 
 
@@ -81,10 +81,10 @@ def test_no_function_is_too_long_but_those_named():
 
 
 @pytest.mark.parametrize("part", GROUPED)
-def test_every_door_says_what_comes_in_and_what_goes_out(part):
-    doors = [path for path in (PACKAGE / part).rglob("__init__.py") if path.parent.name != part]
+def test_every_package_says_what_comes_in_and_what_goes_out(part):
+    packages = [path for path in (PACKAGE / part).rglob("__init__.py") if path.parent.name != part]
     silent = []
-    for path in doors:
+    for path in packages:
         said = ast.get_docstring(parsed(path)) or ""
         if folder_of(path) not in DATA and not ("Comes in:" in said and "Goes out:" in said):
             silent.append(folder_of(path))
@@ -92,10 +92,10 @@ def test_every_door_says_what_comes_in_and_what_goes_out(part):
 
 
 def test_tests_lie_where_what_they_test_lies():
-    rooms = {folder_of(path) for path in PACKAGE.rglob("*.py")}
+    folders = {folder_of(path) for path in PACKAGE.rglob("*.py")}
     beside = {"tests/benchmarks", "tests/browser", "tests/notebooks"}
     lost = {folder_of(path) for path in (ROOT / "tests").rglob("test_*.py")} - beside
-    assert {name for name in lost if name.replace("tests", "pawnb", 1) not in rooms} == set()
+    assert {name for name in lost if name.replace("tests", "pawnb", 1) not in folders} == set()
 
 
 SHARED = {

@@ -1,9 +1,9 @@
 """Gait statistics on tracks or events from any source; this part knows no video.
 
 :func:`analyse` makes every gait table of a trial, :func:`pool` joins trials. What goes
-beyond has rooms: ``events``, ``strides``, ``cycles`` (signals over the stride) and ``phases``;
+beyond has subpackages: ``events``, ``strides``, ``cycles`` (signals over the stride), ``phases``;
 ``circular`` (statistics of phases), ``groups`` (animals, not strides) and ``regression`` (against
-speed and size); ``residuals`` (the cut-off of a filter). Modules in these rooms are found here by
+speed and size); ``residuals`` (the cut-off of a filter). Their modules are found here by
 their own names too, so that ``pawnb.gait.mixed`` is ``pawnb.gait.regression.mixed``.
 
 Examples of functions go on from here: two synthetic spiders whose truth is known, a run each.
@@ -102,7 +102,7 @@ _MODULES = {
     "second_order": "pawnb.gait.circular.second_order",
     "symmetry": "pawnb.gait.strides.symmetry",
 }
-"""Modules that are found here by these names, and the rooms in which they lie."""
+"""Modules that are found here by these names, and the subpackages in which they lie."""
 
 _former.answer_imports({f"{__name__}.{name}": home for name, home in _MODULES.items()})
 __getattr__, __dir__ = _lazy(__name__, __all__, modules=_MODULES)

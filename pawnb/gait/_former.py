@@ -1,4 +1,4 @@
-"""Modules that have moved into rooms: an import from the former place is told the present one."""
+"""Modules that have moved: an import from the former place is told the present one."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Trial to tracks to gait, each step one call.
 
-The everyday functions of these modules are names of :mod:`pawnb` itself. The rooms, in the order
-of the work: ``calibration``, ``checking``, ``start`` (clicks proposed), ``tracking``,
+The everyday functions of these modules are names of :mod:`pawnb` itself. The subpackages, in the
+order of the work: ``calibration``, ``checking``, ``start`` (clicks proposed), ``tracking``,
 ``reviewing``, ``evaluation``, ``conversion``, ``gait``, ``batch`` and ``provenance``. Their modules
 are names here too: ``pawnb.workflow.track`` is :mod:`pawnb.workflow.tracking.track`.
 """
@@ -36,7 +36,7 @@ _ROOM_OF = {
     "track": "tracking",
     "track_pose": "tracking",
 }
-"""The room of each module that is a name of the workflow."""
+"""The subpackage of each module that is a name of the workflow."""
 
 __all__ = [
     "batch", "calibrate", "calibration", "check", "checking", "compare", "conversion", "convert",

@@ -2,7 +2,7 @@
 
 Views are one picture by itself (:class:`.views.SingleView`, :class:`.views.SingleViewFromBelow`),
 several from the side (:class:`.views.SideViews`) or several of which one from below leads
-(:class:`.bottom_view.BottomView`). What differs between them is a method here: the other rooms
+(:class:`.bottom_view.BottomView`). What differs between them is a method here: the other stages
 ask the geometry and need not know which one it is.
 """
 
