@@ -67,6 +67,10 @@ def test_drawing_strides_too_widens_the_interval():
     both = bootstrap_animals(data, mean_by_animal("value"), strides=True)
     assert both.high - both.low > 1.05 * (animals.high - animals.low)
     assert "animals and strides" in both.method
+    # of ten strides the first alone is not 0: it is drawn as often as each other, once on average
+    data = table({name: [5.0, *[0.0] * 9] for name in "abcde"})
+    both = bootstrap_animals(data, mean_by_animal("value"), strides=True)
+    assert both.low < 0.5 < both.high
 
 
 def test_phases_across_zero():

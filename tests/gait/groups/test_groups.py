@@ -176,6 +176,11 @@ def test_table_of_groups():
     assert (row["difference"], row["p"]) == pytest.approx((direct.difference, direct.p))
     assert row["p_strides"] < row["p"] <= row["p_adjusted"]
     assert found["p_adjusted"].to_numpy() == pytest.approx(adjust_p(found["p"].to_numpy()))
+    other = table.assign(leg="R1", duty_factor=1.0 - table["duty_factor"])
+    legs = compare_groups(pd.concat([table, other]), ["duty_factor"], by=["leg"]).groupby("leg")
+    for leg, sign in (("L1", 1.0), ("R1", -1.0)):
+        own = legs.get_group(leg)["difference"].to_numpy(float)
+        assert own == pytest.approx(sign * found["difference"].to_numpy(float))
     only = compare_groups(table, ["duty_factor"], reference="sham", correction="none")
     assert only["group_b"].tolist() == ["control", "lesion"]
     assert only["p_adjusted"].tolist() == only["p"].tolist()
