@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import t as student
 from scipy.stats import ttest_1samp
 
 from pawnb.errors import InputError
@@ -232,6 +233,9 @@ def test_summary_of_measures():
     direct = mean_of_animals(table["duty_factor"], table["animal"])
     assert (row["mean"], row["ci_low"]) == pytest.approx((direct.estimate, direct.low))
     assert (row["n"], row["n_animals"]) == (40, 5)
+    own = table["duty_factor"]
+    ends = student.interval(0.95, 39, own.mean(), own.std() / math.sqrt(40))
+    assert (row["ci_low_strides"], row["ci_high_strides"]) == pytest.approx(ends)
     # strides as if independent: narrower
     assert row["ci_high_strides"] - row["ci_low_strides"] < row["ci_high"] - row["ci_low"]
     assert math.isnan(found.iloc[1]["icc"])  # nothing varies

@@ -37,6 +37,9 @@ def test_paired_and_its_interval():
     assert found.p == pytest.approx(other.pvalue)
     assert (found.ci_low, found.ci_high) == pytest.approx((ends.low, ends.high))
     assert found.p != pytest.approx(compare_two(A, B[:5]).p, rel=0.01)
+    # Hedges (1981), Table 1: c(4) = 0.7979 for the 4 degrees of freedom of five differences
+    each = B[:5] - A
+    assert found.effect == pytest.approx(0.7979 * each.mean() / each.std(ddof=1), rel=1e-4)
 
 
 @pytest.mark.parametrize(
