@@ -45,6 +45,8 @@ def test_gaits_lie_where_they_ought_to(gait, lags, place):
     away = (np.array(peak(found)) - place + 0.5) % 1.0 - 0.5
     assert np.abs(away).max() <= 1.0 / 48, gait
     assert found["density"].mean() == pytest.approx(1.0, abs=1e-4)
+    named = found[["leg_x", "reference_x", "leg_y", "reference_y"]].drop_duplicates()
+    assert named.to_numpy().tolist() == [["FL", "FR", "HR", "FR"]]  # as the lags are
 
 
 def test_a_single_place_is_as_wide_as_the_bandwidth():
