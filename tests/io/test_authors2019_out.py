@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -63,9 +60,8 @@ def test_what_was_written_is_read(tmp_path):
     assert np.isnan(found["image_position"].isel(time=2)).all()
 
 
-@pytest.mark.skipif("PAWNB_TEST_DATA" not in os.environ, reason="their files are not here")
-def test_their_own_trials_come_back(tmp_path):
-    folder = Path(os.environ["PAWNB_TEST_DATA"]) / "rat-4cam-tracks"
+def test_their_own_trials_come_back(real_data, tmp_path):
+    folder = real_data("rat-4cam-tracks")
     stamps = list_authors_trials(folder)
     assert len(stamps) == 4
     for stamp in stamps:

@@ -30,7 +30,7 @@ def test_what_tracking_warned_of_stands_above_the_review(tracked, opened):
     assert review_notes(opened(tracked), tracked) == [f"\u26a0 {NOTE}"]
 
 
-@pytest.mark.filterwarnings("default::pawnb.errors.InputWarning")
+@pytest.mark.filterwarnings("ignore::pawnb.errors.InputWarning")
 def test_what_was_changed_since_tracking_stands_above_the_review(tracked, opened):
     file = tracked / "trial.toml"
     file.write_text(file.read_text().replace('"cam2.avi"\n', '"cam2.avi"\noffset = 3\n'))
