@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import subprocess
 import sys
 
@@ -62,6 +63,12 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     assert (
         out / "results" / "figures" / "gait_diagram_synthetic-03_synthetic-normal-03.png"
     ).exists()
+
+
+def test_the_next_command_can_be_copied_where_folders_have_blanks(tmp_path, capsys):
+    out = tmp_path / "my mice"
+    _, said, _ = run(capsys, "demo", "paws", "--out", out, "--frames", 2, "--scale", 0.06)
+    assert shlex.split(said.split("next: ")[1]) == ["pawnb", "track", str(out)]
 
 
 @pytest.mark.slow

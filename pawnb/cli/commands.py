@@ -11,6 +11,7 @@ from typing import Any
 
 from pawnb.cli.shared import print_json
 from pawnb.errors import InputError
+from pawnb.files import as_word
 from pawnb.workflow.words import split_event_names, split_legs, split_settings
 
 
@@ -26,7 +27,7 @@ def run_new(options: argparse.Namespace, _argv: list[str]) -> None:
     from pawnb.workflow.workbench.questions import ask_new_trial
 
     path = ask_new_trial(options.videos, folder=options.out)
-    print(f"wrote {path}; next: pawnb open {path.parent}")
+    print(f"wrote {path}; next: pawnb open {as_word(path.parent)}")
 
 
 def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
@@ -49,7 +50,7 @@ def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
             progress=progress,
             **more,
         )
-    print(f"wrote {path}; next: pawnb track {path.parent}")
+    print(f"wrote {path}; next: pawnb track {as_word(path.parent)}")
 
 
 def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
@@ -105,7 +106,7 @@ def run_suggest(options: argparse.Namespace, _argv: list[str]) -> None:
     trial = load_trial(options.trial)
     path = results_folder(trial, options.results) / "tracks.nc"
     if not path.exists():
-        raise InputError(f"{path}: no such tracks; run pawnb track {options.trial} first.")
+        raise InputError(f"{path}: no such tracks; run pawnb track {as_word(options.trial)} first.")
     found = suggest_frames(trial, read_result_tracks(path), n=options.n)
     if options.json:
         rows = found.assign(points=found["points"].str.split(", ")).to_dict(orient="records")

@@ -12,7 +12,7 @@ from pawnb.files.folder import Listing, staged, staged_files
 from pawnb.files.growing import open_growing, write_at
 from pawnb.files.guard import GuardedFile
 from pawnb.files.lock import locked
-from pawnb.files.names import child_folder, distinct_name, safe_name
+from pawnb.files.names import as_word, child_folder, distinct_name, safe_name
 from pawnb.files.reading import (
     MOST_TABLE_BYTES,
     MOST_TEXT_BYTES,
@@ -38,6 +38,7 @@ __all__ = [
     "MOST_TEXT_BYTES",
     "GuardedFile",
     "Listing",
+    "as_word",
     "check_file",
     "child_folder",
     "distinct_name",

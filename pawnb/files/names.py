@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
+import shlex
 from collections.abc import Collection
 from pathlib import Path
 
@@ -93,3 +95,21 @@ def child_folder(folder: str | Path, name: str, *, what: str) -> Path:
             "give it a plain name, such as m07-03."
         )
     return child
+
+
+def as_word(path: str | Path) -> str:
+    """Return a path as it is typed into a command, quoted where it holds blanks or the like.
+
+    Parameters
+    ----------
+    path : str or Path
+        The path.
+
+    Returns
+    -------
+    str
+        One word of a command of this system.
+    """
+    if os.name == "nt":  # cmd and PowerShell know double quotes only
+        return f'"{path}"' if re.search(r"[\s&()]", str(path)) else str(path)
+    return shlex.quote(str(path))

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import shlex
+import subprocess
+
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.files import child_folder, distinct_name, safe_name
+from pawnb.files import as_word, child_folder, distinct_name, safe_name
 
 
 @pytest.mark.parametrize(
@@ -43,3 +47,16 @@ def test_safe_names_are_short_and_have_no_signs_of_paths():
 def test_taken_names_are_numbered():
     assert distinct_name("a", set()) == "a"
     assert distinct_name("A", {"a", "a-2"}) == "A-3"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a POSIX shell")
+@pytest.mark.parametrize("path", ["plain/m07", "Versuch Mäuse 1", "it's $5", "a;b", 'say "x"'])
+def test_a_shell_reads_a_path_as_one_word(path):
+    """What is printed as the next command is copied into a shell."""
+    found = subprocess.check_output(["sh", "-c", f"printf '%s|' {as_word(path)}"], text=True)
+    assert found == f"{path}|"
+
+
+def test_a_plain_path_is_typed_as_it_is():
+    assert as_word("results/m07-03") == "results/m07-03"
+    assert shlex.split(as_word("a b")) == ["a b"]

@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
 from pawnb.core.pose.pose_suspects import chances_of_tips
 from pawnb.errors import InputError, QualityWarning
-from pawnb.files import read_text
+from pawnb.files import as_word, read_text
 from pawnb.schema import START_COLUMNS, Tracks
 
 QUALITY_FILE = "quality.json"
@@ -129,9 +129,9 @@ def next_step(quality: Quality, out: str | Path, *, of_poses: bool = False) -> s
     """
     reviewer = "PoseReviewer" if of_poses else "TrackReviewer"
     if quality.verdict == "good" and not quality.poor_points:
-        return f"pawnb gait {out}"
+        return f"pawnb gait {as_word(out)}"
     if quality.verdict in ("good", "look"):
-        return f"review (pawnb.widgets.{reviewer}), then pawnb gait {out}"
+        return f"review (pawnb.widgets.{reviewer}), then pawnb gait {as_word(out)}"
     if of_poses:
         return "pose the animal anew (pawnb.widgets.StickPoser), and track again"
     return "click the points in more frames (pawnb suggest names some), and track again"

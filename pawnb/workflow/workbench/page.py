@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from pawnb.errors import InputError
-from pawnb.files import read_text, write_whole
+from pawnb.files import as_word, read_text, write_whole
 from pawnb.trial.file import VIDEO_ENDINGS
 from pawnb.workflow.lab import lab_command, run_lab
 from pawnb.workflow.workbench.films import is_tracks_file
@@ -118,7 +118,8 @@ def _what(paths: Sequence[str | Path]) -> tuple[Path, list[Path]]:
     if odd:
         said = "name one folder, one trial, or the videos of one recording"
         if is_tracks_file(odd[0]):
-            said = f"tracks are shown by pawnb open {odd[0].parent}, on the film beside them"
+            where = as_word(odd[0].parent)
+            said = f"tracks are shown by pawnb open {where}, on the film beside them"
         raise InputError(f"{odd[0]}: no video; {said}.")
     return named[0].parent, named
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from pawnb import InputError, check_trial, cli, load_trial
+from pawnb.files import as_word
 from pawnb.trial import Animal, Calibration, Trial, View
 from pawnb.workflow.workbench.animals import ANIMALS, choose_animal
 from pawnb.workflow.workbench.new_trial import new_trial, second_view, toml_of
@@ -207,6 +208,7 @@ def test_the_command_asks_and_says_what_comes_next(bare, capsys, monkeypatch):
     answers = ["", "", "", "250", *[""] * 16]
     monkeypatch.setattr("sys.stdin", io.StringIO("\n".join(answers)))
     assert cli.main(["new", *videos(bare)]) == 0
-    assert f"wrote {bare / 'trial.toml'}; next: pawnb open {bare}" in capsys.readouterr().out
+    said = f"wrote {bare / 'trial.toml'}; next: pawnb open {as_word(bare)}"
+    assert said in capsys.readouterr().out
     assert cli.main(["new", *videos(bare)]) == 2
     assert "there is a trial already" in capsys.readouterr().err
