@@ -58,21 +58,24 @@ class AlignmentForm(Plain, widgets.VBox):  # type: ignore[misc]
         ]  # fmt: skip
         self._use = widgets.Button(description="Align the films", button_style="primary")
         self._use.on_click(lambda _: self.write())
-        self._told = widgets.Label(
+        how = widgets.Label(
             tell_alignment({v.name: v.offset for v in self._films}, lengths)
             or "The films are taken to have been started together. Were they not, go to the frame "
             "in which a picture first shows a flash or another sudden event, press Flash is here "
             "beside its name, and do so for each."
         )
-        self._told.add_class("pawnb-wrap")
+        # beside the button, where it is seen while the frames are marked
+        self._told = widgets.Label()
+        for words in (how, self._told):
+            words.add_class("pawnb-wrap")
         row = {"flex_flow": "row wrap", "align_items": "center"}
         self.children = (
-            self._told, self.canvas,
+            how, self.canvas,
             *(
                 widgets.HBox([widgets.Label(view.name, layout={"width": "8em"}), mark], layout=row)
                 for view, mark in zip(self._films, self.marks, strict=True)
             ),
-            self._use,
+            self._told, self._use,
         )  # fmt: skip
 
     def offsets(self) -> dict[str, int]:

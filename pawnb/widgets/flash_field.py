@@ -38,7 +38,7 @@ class FlashField(widgets.HBox):  # type: ignore[misc]
         self._film, self._n = film, n_frames
         self.field = widgets.Text(
             value="" if frame is None else str(frame), placeholder="started together",
-            description="flash in frame", continuous_update=False, layout={"width": "16em"},
+            description="flash in frame", continuous_update=False, layout={"width": "18em"},
             style={"description_width": "initial"},
         )  # fmt: skip
         take = widgets.Button(
