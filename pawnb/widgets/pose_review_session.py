@@ -20,9 +20,9 @@ from pawnb.widgets.stick_pose import StickPose, stick_pose
 from pawnb.widgets.stick_session import StickSession, StickState
 from pawnb.widgets.stretch_edits import order_partners
 
-_LEAST_MOVE_PX = 0.3
-"""What moves no joint that far is no correction: a leg at full reach that is dragged further out
-settles by less and less."""
+_LEAST_DRAG_PX, _ROUNDING_PX = 0.3, 1e-6
+"""A drag that moves no joint that far is no correction: a leg at full reach that is dragged further
+out settles by less and less. Keys may move them by less, on small animals."""
 
 
 class PoseReviewSession(StickSession):
@@ -62,6 +62,7 @@ class PoseReviewSession(StickSession):
         frame: int | None = None,
     ) -> None:
         self.corrected, self.moved = corrected, True
+        self._least_px = _ROUNDING_PX
         super().__init__(
             trial,
             animal_of(corrected.present),
@@ -146,6 +147,14 @@ class PoseReviewSession(StickSession):
             "which are missing (pawnb.widgets.StickPoser), and track again."
         )
 
+    def drag(self, handle: str, u: float, v: float, *, whole: bool = True) -> None:
+        """Drag a handle; what moves nothing that can be seen is no correction."""
+        self._least_px = _LEAST_DRAG_PX
+        try:
+            super().drag(handle, u, v, whole=whole)
+        finally:
+            self._least_px = _ROUNDING_PX
+
     def accept(self) -> None:
         """Keep the pose as it is: a correction, though it moves nothing."""
         self._record(self.pose, self.pose_frame)
@@ -191,7 +200,7 @@ class PoseReviewSession(StickSession):
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
         """Make the pose the correction of the frame looked at, where it moves anything."""
         where = self.frame if frame is None else frame
-        self.moved = _moves(self.pose_at(where), pose)
+        self.moved = _moves(self.pose_at(where), pose, least_px=self._least_px)
         if self.moved:
             self._record(pose, where)
 
@@ -211,13 +220,13 @@ class PoseReviewSession(StickSession):
         return True
 
 
-def _moves(before: StickPose | None, after: StickPose) -> bool:
+def _moves(before: StickPose | None, after: StickPose, *, least_px: float) -> bool:
     """Say whether a pose is another one; a leg that was hidden is there again once it is posed."""
     if before is None or any(leg.missing for leg in before.legs.values()):
         return True
     steps = [after.places(name) - before.places(name) for name in before.legs]
     steps.append(np.subtract([after.xy], [before.xy]))
-    return bool(np.abs(np.concatenate(steps)).max() > _LEAST_MOVE_PX)
+    return bool(np.abs(np.concatenate(steps)).max() > least_px)
 
 
 def _rank(legs: list[Leg], leg: Leg) -> int:

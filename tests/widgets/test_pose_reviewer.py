@@ -286,6 +286,16 @@ def test_a_leg_at_full_reach_that_is_dragged_further_out_is_no_correction(review
     assert len(reviewer.corrected.corrections) == 2
 
 
+def test_a_key_may_change_a_small_animal_by_less_than_a_drag(reviewer):
+    session = reviewer.session
+    session.go(17)
+    was = session.pose_at(17)
+    session.set_length(1.001 * was.length_of("L2"), "L2")
+    moved = np.abs(session.pose_at(17).places("L2") - was.places("L2")).max()
+    assert 0.0 < moved < 0.3
+    assert len(reviewer.corrected.corrections) == 1
+
+
 def test_undo_and_redo_say_what_they_did(reviewer):
     drag(reviewer, 17)
     reviewer.edit("action", {"frame": 12, "action": "undo"})
