@@ -8,7 +8,8 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from pawnb.arrays import FloatArray, Points3D
+from pawnb.arrays import FloatArray
+from pawnb.core.dlt import Triangulation
 from pawnb.core.rig import Rig
 
 _AGREE_BETTER, _LIE_NEARER = 0.7, 0.7
@@ -88,23 +89,26 @@ def _of_point(rig: Rig, clicks: Clicks, point: str) -> FloatArray:
     return np.array([clicks.get((view, point), nowhere) for view in rig.names], float)
 
 
-def _solve(rig: Rig, uv: Mapping[str, FloatArray]) -> tuple[float, Points3D]:
-    """Return the RMS residual, px, and the places of all points (n, 3)."""
-    solved = [rig.triangulate(own) for own in uv.values()]
-    residual = np.array([float(one.residual_px) for one in solved])
-    return float(np.sqrt(np.mean(residual**2))), np.stack([one.xyz for one in solved])
+def _solve(rig: Rig, uv: Mapping[str, FloatArray]) -> dict[str, Triangulation]:
+    """Return the place of each point in space."""
+    return {point: rig.triangulate(own) for point, own in uv.items()}
+
+
+def _residual_px(solved: Mapping[str, Triangulation]) -> float:
+    """Return the RMS residual of all points, px."""
+    return float(np.sqrt(np.mean([float(one.residual_px) ** 2 for one in solved.values()])))
 
 
 def _exchanged_views(rig: Rig, uv: Mapping[str, FloatArray]) -> tuple[str, str] | None:
     """Return the two views that fit well once exchanged; None where all do as they are."""
-    before, _ = _solve(rig, uv)
+    before = _residual_px(_solve(rig, uv))
     if not before > _DISAGREE_PX:
         return None
     best, found = min(before * _MUCH_BETTER, _DISAGREE_PX), None
     for i, j in combinations(range(len(rig.names)), 2):
         order = list(range(len(rig.names)))
         order[i], order[j] = j, i
-        after, _ = _solve(rig, {point: own[order] for point, own in uv.items()})
+        after = _residual_px(_solve(rig, {point: own[order] for point, own in uv.items()}))
         if after < best:
             best, found = after, (rig.names[i], rig.names[j])
     return found
@@ -112,25 +116,27 @@ def _exchanged_views(rig: Rig, uv: Mapping[str, FloatArray]) -> tuple[str, str] 
 
 def _exchanged_points(rig: Rig, uv: Mapping[str, FloatArray]) -> tuple[str, str, list[str]] | None:
     """Return two points, and the views in which they seem exchanged; of two views it is either."""
-    before, xyz = _solve(rig, uv)
-    apart = _widest(xyz)
+    solved = _solve(rig, uv)
+    before, apart = _residual_px(solved), _widest(solved)
     best, found = before * _AGREE_BETTER, None
     for first, second in combinations(uv, 2):
         both = np.isfinite(uv[first][:, 0]) & np.isfinite(uv[second][:, 0])
         for k in np.flatnonzero(both):
-            other = {point: own.copy() for point, own in uv.items()}
-            other[first][k], other[second][k] = uv[second][k], uv[first][k]
-            after, places = _solve(rig, other)
+            two = {first: uv[first].copy(), second: uv[second].copy()}
+            two[first][k], two[second][k] = uv[second][k], uv[first][k]
+            exchanged = {**solved, **_solve(rig, two)}
+            after = _residual_px(exchanged)
             # of three views or more two show which click of the third is wrong
             in_two = int(both.sum()) == 2
             clear = not in_two and before > _DISAGREE_PX and after < _MUCH_BETTER * before
-            if after < best and (clear or _widest(places) < _LIE_NEARER * apart):
+            if after < best and (clear or _widest(exchanged) < _LIE_NEARER * apart):
                 best = after
                 alike = np.flatnonzero(both) if in_two else [k]
                 found = first, second, [rig.names[i] for i in alike]
     return found
 
 
-def _widest(xyz: Points3D) -> float:
-    """Return the largest distance of two places."""
-    return max(float(np.linalg.norm(a - b)) for a, b in combinations(xyz, 2))
+def _widest(solved: Mapping[str, Triangulation]) -> float:
+    """Return the largest distance of two points."""
+    places = [one.xyz for one in solved.values()]
+    return max(float(np.linalg.norm(a - b)) for a, b in combinations(places, 2))
