@@ -148,7 +148,17 @@ class PoseReviewSession(StickSession):
         )
 
     def drag(self, handle: str, u: float, v: float, *, whole: bool = True) -> None:
-        """Drag a handle; what moves nothing that can be seen is no correction."""
+        """Drag a handle; what moves nothing that can be seen is no correction.
+
+        Parameters
+        ----------
+        handle : str
+            The handle.
+        u, v : float
+            Where it is dragged to, px of the view.
+        whole : bool
+            Whether the whole leg follows its tip, or only the last joint turns.
+        """
         self._least_px = _LEAST_DRAG_PX
         try:
             super().drag(handle, u, v, whole=whole)
