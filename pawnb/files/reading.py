@@ -81,11 +81,8 @@ def check_file(
                 f"{path}: a link to {path.readlink()}, which is not there; expected {expected}."
             ) from None
         near = did_you_mean(path.name, _neighbours(path))
-        # a trial or study written on Windows; there a backslash never stands in a name
-        mend = (
-            ": write / for \\ in paths, which every system understands" if "\\" in path.name else ""
-        )
-        raise error(f"{path}: no such file{near}; expected {expected}{mend}.") from None
+        shown, mend = _as_typed(path)
+        raise error(f"{shown}: no such file{near}; expected {expected}{mend}.") from None
     except (OSError, ValueError, RuntimeError) as reason:  # no access, a loop, a name that is none
         said = getattr(reason, "strerror", None) or reason
         raise error(f"{str(path)!r}: cannot be read ({said}); expected {expected}.") from None
@@ -235,7 +232,9 @@ def parse_toml(text: str, *, where: str, error: type[InputError] = InputError) -
     except RecursionError:
         raise error(f"{where}: nested too deeply; expected plain settings.") from None
     except ValueError as reason:  # TOMLDecodeError, or a number of thousands of digits
-        mend = " (in paths write / for \\)" if "\\" in str(reason) else ""
+        at = re.search(r"at line (\d+)", str(reason))
+        line = text.splitlines()[int(at[1]) - 1 : int(at[1])] if at else []
+        mend = " (in paths write / for \\)" if any("\\" in part for part in line) else ""
         raise error(f"{where}: not a TOML file ({reason}); mend that line{mend}.") from None
     _check_values(document, where, error)
     return document
@@ -252,6 +251,23 @@ def _check_values(document: dict[str, Any], where: str, error: type[InputError])
         if not level:
             return
     raise error(f"{where}: nested too deeply; expected plain settings.")
+
+
+def _as_typed(path: Path) -> tuple[str, str]:
+    r"""Return a path as a message shows it, and how to mend one that was written on Windows.
+
+    There a backslash never stands in a name; within quotes, as in a trial.toml, ``\t`` is a tab
+    and ``\n`` a line break.
+    """
+    shown = "".join(c if ord(c) >= 32 else c.encode("unicode_escape").decode() for c in str(path))
+    if shown != str(path):
+        return shown, (
+            ": a backslash in quotes does not stand for itself; write / for \\ in paths, which "
+            "every system understands"
+        )
+    if "\\" in path.name:
+        return shown, ": write / for \\ in paths, which every system understands"
+    return shown, ""
 
 
 def _neighbours(path: Path) -> Iterator[str]:

@@ -114,3 +114,14 @@ def test_a_path_written_on_windows_is_told_how_to_write_it(tmp_path):
         check_file(tmp_path / r"films\cam1.avi")
     with pytest.raises(InputError, match=r"mend that line \(in paths write / for \\\)\.$"):
         parse_toml('video = "films\\cam1.avi"\n', where="trial.toml")
+
+
+def test_what_backslashes_become_in_quotes_is_shown_and_told(tmp_path):
+    """As in ``video = "..\trials\new.avi"``, where TOML reads a tab and a line break."""
+    document = parse_toml('video = "..\\trials\\new.avi"\n', where="trial.toml")
+    assert document["video"] == "..\trials\new.avi"
+    with pytest.raises(InputError, match=r"\.\.\\trials\\new\.avi: no such file.*write / for \\"):
+        check_file(tmp_path / document["video"])
+    for typed in (r"C:\Users\me\cam1.avi", r"films\cam1.avi", r"D:\xray\cam1.avi"):
+        with pytest.raises(InputError, match=r"mend that line \(in paths write / for \\\)\.$"):
+            parse_toml(f'fps = 250\nvideo = "{typed}"\n', where="trial.toml")
