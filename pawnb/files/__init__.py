@@ -8,7 +8,7 @@ are :func:`staged` and replaced by their :class:`Listing`. What several windows 
 once goes through a :class:`GuardedFile`. Nothing else in pawnb writes to the disk.
 """
 
-from pawnb.files.folder import Listing, staged, staged_files
+from pawnb.files.folder import Listing, check_replaceable, staged, staged_files
 from pawnb.files.growing import open_growing, write_at
 from pawnb.files.guard import GuardedFile
 from pawnb.files.lock import locked
@@ -40,6 +40,7 @@ __all__ = [
     "Listing",
     "as_word",
     "check_file",
+    "check_replaceable",
     "child_folder",
     "distinct_name",
     "is_copy",

@@ -58,6 +58,33 @@ def staged_files(staging: Path) -> list[str]:
     return [path.relative_to(staging).as_posix() for path in files]
 
 
+def check_replaceable(files: Iterable[Path]) -> None:
+    """Refuse files that another program holds open so that nothing can take their place.
+
+    Windows does not let a file be replaced that a spreadsheet shows; other systems do.
+
+    Parameters
+    ----------
+    files : iterable of Path
+        Files that will be replaced or removed; those that are not there are passed over.
+
+    Raises
+    ------
+    InputError
+        If one cannot be replaced.
+    """
+    for file in files:
+        if not file.is_file():
+            continue
+        try:
+            file.replace(file)
+        except OSError as error:
+            raise InputError(
+                f"{file}: cannot be replaced ({error.strerror or error}); close it in other "
+                "programs, such as a spreadsheet, and try again."
+            ) from None
+
+
 class Listing:
     """A file that says what a folder holds: it is there only while that is true.
 
@@ -93,7 +120,9 @@ class Listing:
             What the listing says then, and what that of an empty folder does.
         """
         folder, own, aside = self._folder, self._folder / self._name, self._folder / self._aside
-        names = list(files)
+        names, gone = list(files), list(gone)
+        # before anything has changed
+        check_replaceable(folder / name for name in [*names, *gone])
         # nothing that follows needs room on the disk
         write_whole(staging / self._name, listing)
         if own.exists():

@@ -182,6 +182,11 @@ def _said_in_a_sentence(path: Path) -> Iterator[None]:
     """Say in one sentence that a file cannot be written."""
     try:
         yield
+    except PermissionError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); close it in other programs, "
+            "such as a spreadsheet, or choose another place."
+        ) from None
     except OSError as error:
         raise InputError(
             f"{path}: cannot be written ({error.strerror or error}); free some space or choose "

@@ -22,7 +22,16 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pawnb.errors import InputError, InputWarning
-from pawnb.files import Listing, check_file, child_folder, locked, read_text, staged, staged_files
+from pawnb.files import (
+    Listing,
+    check_file,
+    check_replaceable,
+    child_folder,
+    locked,
+    read_text,
+    staged,
+    staged_files,
+)
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
 from pawnb.workflow.provenance.labels import is_labelled
 from pawnb.workflow.provenance.record import provenance_text
@@ -98,8 +107,16 @@ def writing_results(
 
 @contextmanager
 def run_alone(folder: Path) -> Iterator[None]:
-    """Keep other runs out of a folder of results; :func:`writing_results` may follow within."""
+    """Keep other runs out of a folder of results; :func:`writing_results` may follow within.
+
+    Raises
+    ------
+    InputError
+        If another run writes there, or a file of the last one is held open by another program:
+        a run of hours should not end with that.
+    """
     with locked(folder, remedy=_BUSY):
+        check_replaceable(folder / name for name in known_files(folder).files)
         yield
 
 

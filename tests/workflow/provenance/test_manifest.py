@@ -9,17 +9,19 @@ import os
 import signal
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from pawnb.errors import InputError, InputWarning
-from pawnb.files import locked
+from pawnb.files import Listing, locked
 from pawnb.workflow.provenance.manifest import (
     MANIFEST,
     PUT_ASIDE,
     find_fault,
     read_manifest,
+    run_alone,
     writing_results,
 )
 
@@ -209,6 +211,49 @@ def test_an_error_while_files_are_made_changes_nothing(tmp_path):
             _fail_half_way(out, run)
     assert content(out) == before
     assert find_fault(out, run="track") is None
+
+
+@contextmanager
+def held_open(path, monkeypatch):
+    """Hold a file open as a spreadsheet does; only Windows then lets nothing take its place."""
+    if os.name == "nt":
+        with path.open("rb"):
+            yield
+        return
+    replace = os.replace
+
+    def refuse(source, target):
+        if Path(target) == path:
+            raise PermissionError(errno.EACCES, "The process cannot access the file")
+        replace(source, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("os.replace", refuse)
+        yield
+
+
+def test_a_file_that_another_program_holds_open_is_named_before_anything_changes(
+    tmp_path, monkeypatch
+):
+    out = write(tmp_path / "out", text="old")
+    before = content(out)
+    said = r"tracks\.nc: cannot be replaced .*close it in other programs, such as a spreadsheet"
+    with held_open(out / "tracks.nc", monkeypatch):
+        # while files are moved, and before a run that may take hours
+        with pytest.raises(InputError, match=said), run_alone(out):
+            pytest.fail("the run begins")
+        with pytest.raises(InputError, match=said), writing_results(out, run="track", steps=[]):
+            pytest.fail("the run begins")
+        listing = Listing(out, MANIFEST, PUT_ASIDE)
+        (tmp_path / "staging").mkdir()
+        (tmp_path / "staging" / "tracks.csv").write_text("new")
+        with pytest.raises(InputError, match=said):
+            listing.replace(
+                tmp_path / "staging", ["tracks.csv"], gone=["tracks.nc"], listing=b"", empty=b""
+            )
+    assert content(out) == before
+    assert find_fault(out, run="track") is None
+    assert content(write(out, text="new")) != before
 
 
 def test_messages_name_the_folder_that_was_asked_for(tmp_path):
