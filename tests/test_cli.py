@@ -41,6 +41,23 @@ def test_a_reader_that_leaves_changes_neither_status_nor_work(tmp_path, monkeypa
             assert cli.main(["check", str(folder)]) == status
 
 
+def test_a_name_that_the_output_cannot_take_ends_no_command(tmp_path, monkeypatch):
+    """As in ``pawnb check TRIAL > check.txt`` on Windows, which has 8 bits for a sign there."""
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "小鼠-ä"\nfps = 250.0\n[animal]\nid = "m"\n'
+        '[tracks]\nfile = "tracks.nc"\n',
+        encoding="utf-8",
+    )
+    tracks = make_tracks(range(9), ["FR", "FL"], fps=250.0, space=("x", "y"))
+    tracks["position"][:] = 1.0
+    write_tracks(tracks, tmp_path / "tracks.nc")
+    with (tmp_path / "check.txt").open("w", encoding="cp1252") as file, monkeypatch.context() as p:
+        p.setattr("sys.stdout", file)
+        assert cli.main(["check", str(tmp_path)]) == 0
+    said = (tmp_path / "check.txt").read_text(encoding="cp1252")
+    assert said.startswith(r"trial \u5c0f\u9f20-ä")
+
+
 @pytest.mark.slow
 def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     out = tmp_path / "demo"

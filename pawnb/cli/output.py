@@ -15,7 +15,7 @@ _NO_READER = (errno.EPIPE, errno.EINVAL)
 
 
 class _Output:
-    """A stream; when its reader has left, what is written goes nowhere and the work goes on."""
+    """A stream; the work goes on when its reader has left, or cannot take a sign of a name."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
@@ -23,7 +23,11 @@ class _Output:
     def write(self, text: str) -> int:
         """Write text."""
         with self._reader_may_have_left():
-            self._stream.write(text)
+            try:
+                self._stream.write(text)
+            except UnicodeEncodeError as error:  # into a file on Windows, 8 bits a sign
+                plain = text.encode(error.encoding, "backslashreplace").decode(error.encoding)
+                self._stream.write(plain)
         return len(text)
 
     def flush(self) -> None:

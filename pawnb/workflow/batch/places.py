@@ -60,8 +60,10 @@ class WorkerProcess:
             stdout=subprocess.PIPE,
             stderr=self._errors,
             text=True,
-            # an interrupt from the terminal is for the process that asks these to stop
+            # an interrupt from the terminal is for the process that asks these to stop; the first
+            # says so to POSIX, the second to Windows
             start_new_session=True,
+            creationflags=getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0),
         )
         if self._process.stdin is not None:
             with suppress(BrokenPipeError):
