@@ -9,7 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pawnb.errors import InputError
-from pawnb.files.whole import force_to_disk, remove_leftovers, sync_folder, write_whole
+from pawnb.files.whole import (
+    force_to_disk,
+    move_over,
+    remove_leftovers,
+    sync_folder,
+    write_whole,
+)
 
 
 @contextmanager
@@ -77,7 +83,7 @@ def check_replaceable(files: Iterable[Path]) -> None:
         if not file.is_file():
             continue
         try:
-            file.replace(file)
+            move_over(file, file)
         except OSError as error:
             raise InputError(
                 f"{file}: cannot be replaced ({error.strerror or error}); close it in other "
@@ -126,16 +132,16 @@ class Listing:
         # nothing that follows needs room on the disk
         write_whole(staging / self._name, listing)
         if own.exists():
-            own.replace(aside)
+            move_over(own, aside)
         elif not aside.exists():
             write_whole(aside, empty)
         sync_folder(folder)
         for name in names:
-            (staging / name).replace(folder / name)
+            move_over(staging / name, folder / name)
         for name in gone:
             (folder / name).unlink()
         for part in {(folder / name).parent for name in names} | {folder}:
             sync_folder(part)
-        (staging / self._name).replace(own)
+        move_over(staging / self._name, own)
         sync_folder(folder)
         aside.unlink(missing_ok=True)

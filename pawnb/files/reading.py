@@ -233,8 +233,8 @@ def parse_toml(text: str, *, where: str, error: type[InputError] = InputError) -
         raise error(f"{where}: nested too deeply; expected plain settings.") from None
     except ValueError as reason:  # TOMLDecodeError, or a number of thousands of digits
         at = re.search(r"at line (\d+)", str(reason))
-        line = text.splitlines()[int(at[1]) - 1 : int(at[1])] if at else []
-        mend = " (in paths write / for \\)" if any("\\" in part for part in line) else ""
+        bad = "".join(text.splitlines()[int(at[1]) - 1 : int(at[1])]) if at else ""
+        mend = " (in paths write / for \\)" if "\\" in bad else ""
         raise error(f"{where}: not a TOML file ({reason}); mend that line{mend}.") from None
     _check_values(document, where, error)
     return document

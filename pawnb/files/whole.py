@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -13,11 +14,42 @@ from pawnb.errors import InputError
 
 _LEFTOVER = ".pawnb-*.part*"
 
+_WAITS_S = (0.05, 0.1, 0.2, 0.4, 0.8)
+"""How long to wait for whoever holds a file open, time after time."""
+
 
 def part_name(path: Path) -> Path:
     """Return a name beside a path that no other run takes; its ending stays."""
     # the name itself is left out: together they may be longer than a file system allows
     return path.with_name(f".pawnb-{secrets.token_hex(6)}.part{path.suffix}")
+
+
+def move_over(source: Path, target: Path) -> None:
+    """Give a file the name of another, which is gone then.
+
+    On Windows that is refused while anyone has one of them open, and virus scanners and search
+    indices open new files for a moment: then it is tried again for a second and a half.
+
+    Parameters
+    ----------
+    source, target : Path
+        The file, and its name from here on, in the same file system.
+
+    Raises
+    ------
+    OSError
+        If it cannot be done; both are then as they were.
+    """
+    for wait_s in _WAITS_S:
+        try:
+            source.replace(target)
+        except PermissionError as error:
+            if getattr(error, "winerror", None) is None:
+                raise
+            time.sleep(wait_s)
+        else:
+            return
+    source.replace(target)
 
 
 @contextmanager
@@ -51,7 +83,7 @@ def whole_file(path: str | Path) -> Iterator[Path]:
             lasts = not any(map(is_leftover, path.parents))
             if lasts:
                 force_to_disk(part)
-            part.replace(path)
+            move_over(part, path)
             if lasts:
                 sync_folder(path.parent)
     finally:

@@ -121,3 +121,35 @@ def test_leftovers_of_a_killed_process_are_told_and_removed(tmp_path):
     assert len(names(tmp_path)) == 2
     remove_leftovers(tmp_path)
     assert names(tmp_path) == ["a.csv"]
+
+
+def held_for(times, monkeypatch, *, winerror):
+    """Let a file be held open by a virus scanner for the first attempts to replace it."""
+    replace, left = os.replace, iter(range(times))
+
+    def refuse(source, target):
+        if next(left, None) is not None:
+            error = PermissionError(errno.EACCES, "Access is denied")
+            if winerror:
+                error.winerror = 5
+            raise error
+        replace(source, target)
+
+    monkeypatch.setattr("os.replace", refuse)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="there winerror is part of every error")
+def test_who_holds_a_file_for_a_moment_is_waited_for_on_windows(tmp_path, monkeypatch):
+    path = write_whole(tmp_path / "a.csv", b"old")
+    with monkeypatch.context() as patch:
+        held_for(3, patch, winerror=True)
+        write_whole(path, b"new")
+    assert path.read_bytes() == b"new"
+    said = "close it in other programs, such as a spreadsheet"
+    for times, winerror in ((100, True), (1, False)):  # elsewhere it does not pass by itself
+        with monkeypatch.context() as patch:
+            held_for(times, patch, winerror=winerror)
+            with pytest.raises(InputError, match=said):
+                write_whole(path, b"newer")
+    assert path.read_bytes() == b"new"
+    assert names(tmp_path) == ["a.csv"]
