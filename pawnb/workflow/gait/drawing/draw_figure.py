@@ -12,6 +12,7 @@ import pandas as pd
 
 from pawnb import figures
 from pawnb.errors import InputError, did_you_mean
+from pawnb.figures.other_scripts import signs_as_boxes, warn_of_boxes
 from pawnb.figures.panels import apart_from_pyplot
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait.drawing.save_figures import save_figure
@@ -114,7 +115,9 @@ def redraw(record: Mapping[str, Any], files: Mapping[str, Path], folder: Path) -
     with figures.style(), apart_from_pyplot():
         ax = getattr(figures, f"plot_{record['kind']}")(table, **record["settings"], **tables)
         record = {**record, "figure": record["kind"]}
-        return save_figure(ax, folder / str(record["name"]), record=record)
+        made = save_figure(ax, folder / str(record["name"]), record=record)
+        warn_of_boxes(signs_as_boxes(ax.get_figure(root=True)))
+    return made
 
 
 def _checked(kind: str, options: Mapping[str, Any]) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import warnings
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
@@ -14,6 +15,11 @@ from matplotlib.figure import Figure, SubFigure
 
 from pawnb import figures
 from pawnb.errors import InputError
+from pawnb.figures.other_scripts import (
+    set_fonts_of_names,
+    signs_as_boxes,
+    warn_of_boxes,
+)
 from pawnb.figures.panels import apart_from_pyplot
 from pawnb.files import distinct_name, whole_file
 from pawnb.io.tables import write_table
@@ -71,6 +77,7 @@ def save_gait_figures(
     files: list[Path] = []
     absent: list[tuple[str, str]] = []
     taken: set[str] = set()
+    boxes = ""
     for drawing in drawings:
         if which == "main" and drawing.kind not in MAIN:
             continue
@@ -87,10 +94,12 @@ def save_gait_figures(
                 continue
             own = {**record, "figure": drawing.kind, "name": name}
             files += save_figure(ax, folder / name, record=own)
+            boxes += signs_as_boxes(ax.get_figure(root=True))
         files.append(write_table(table, folder / f"{name}.csv"))
     if absent:
         table = pd.DataFrame(absent, columns=["figure", "why"])
         files.append(write_table(table, folder / "not_drawn.csv"))
+    warn_of_boxes("".join(dict.fromkeys(boxes)))
     return files
 
 
@@ -123,16 +132,21 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
                 "Creator": "pawnb"},
         "svg": {"Description": recipe, "Date": None, "Creator": "pawnb"},
     }  # fmt: skip
-    # panels are laid out once, not anew for each format
-    figure.draw_without_rendering()
-    figure.set_layout_engine("none")
-    _round_layout(figure)
-    files = []
-    for ending in FORMATS:
-        file = path.with_name(f"{path.name}.{ending}")
-        with whole_file(file) as part:
-            figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
-        files.append(file)
+    with warnings.catch_warnings():
+        # of all figures of a run that is said once, in a sentence
+        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
+        # panels are laid out once, not anew for each format
+        figure.draw_without_rendering()
+        if set_fonts_of_names(figure):
+            figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        _round_layout(figure)
+        files = []
+        for ending in FORMATS:
+            file = path.with_name(f"{path.name}.{ending}")
+            with whole_file(file) as part:
+                figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
+            files.append(file)
     return files
 
 
