@@ -73,6 +73,7 @@ def check_file(
         too large.
     """
     path = Path(path)
+    shown, mend = _as_typed(path)
     try:
         found = path.stat()
     except (FileNotFoundError, NotADirectoryError):
@@ -81,11 +82,10 @@ def check_file(
                 f"{path}: a link to {path.readlink()}, which is not there; expected {expected}."
             ) from None
         near = did_you_mean(path.name, _neighbours(path))
-        shown, mend = _as_typed(path)
         raise error(f"{shown}: no such file{near}; expected {expected}{mend}.") from None
     except (OSError, ValueError, RuntimeError) as reason:  # no access, a loop, a name that is none
         said = getattr(reason, "strerror", None) or reason
-        raise error(f"{str(path)!r}: cannot be read ({said}); expected {expected}.") from None
+        raise error(f"{str(path)!r}: cannot be read ({said}); expected {expected}{mend}.") from None
     if not stat.S_ISREG(found.st_mode):
         kind = next((word for test, word in _KINDS if test(found.st_mode)), "no regular file")
         raise error(f"{path}: {kind}; expected {expected}.")

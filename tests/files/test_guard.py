@@ -77,6 +77,7 @@ except InputError:
     assert path.read_text() == str(said.index("written"))
 
 
+@pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
 def test_a_pipe_in_the_place_of_the_file_is_refused_at_once(tmp_path):
     path = tmp_path / "start.csv"
     os.mkfifo(path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -50,7 +49,7 @@ def test_another_process_is_named_in_one_sentence(tmp_path, other):
 
 
 def test_a_process_that_was_killed_holds_nothing(tmp_path, other):
-    other.send_signal(signal.SIGKILL)
+    other.kill()
     other.wait()
     with locked(tmp_path, remedy="wait"):
         assert (tmp_path / ".pawnb.lock").read_text() == f"{os.getpid()} {socket.gethostname()}\n"

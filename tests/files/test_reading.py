@@ -18,6 +18,7 @@ def test_a_regular_file_is_read(tmp_path):
     assert read_text(file) == "a,b\n1,2\n"
 
 
+@pytest.mark.skipif(os.name == "nt", reason="pipes and sockets of POSIX")
 def test_what_is_no_file_is_refused_at_once(tmp_path):
     pipe, loop, way = tmp_path / "pipe", tmp_path / "loop", tmp_path / "socket"
     os.mkfifo(pipe)
@@ -50,6 +51,7 @@ def test_the_error_is_of_the_kind_asked_for_and_knows_near_names(tmp_path):
         check_file(tmp_path / "DLTcoef.csv", error=CalibrationError)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="a sparse file takes a terabyte there")
 def test_too_large_a_file_is_refused_before_it_is_read(tmp_path):
     file = tmp_path / "large"
     with file.open("wb") as out:
@@ -120,7 +122,7 @@ def test_what_backslashes_become_in_quotes_is_shown_and_told(tmp_path):
     """As in ``video = "..\trials\new.avi"``, where TOML reads a tab and a line break."""
     document = parse_toml('video = "..\\trials\\new.avi"\n', where="trial.toml")
     assert document["video"] == "..\trials\new.avi"
-    with pytest.raises(InputError, match=r"\.\.\\trials\\new\.avi: no such file.*write / for \\"):
+    with pytest.raises(InputError, match=r"\.\.\\trials\\new\.avi.*write / for \\"):
         check_file(tmp_path / document["video"])
     for typed in (r"C:\Users\me\cam1.avi", r"films\cam1.avi", r"D:\xray\cam1.avi"):
         with pytest.raises(InputError, match=r"mend that line \(in paths write / for \\\)\.$"):

@@ -108,6 +108,7 @@ def test_copies_are_never_written_over(tmp_path):
     assert [name for name, so in called.items() if not so] == ["start.csv", "before.csv"]
 
 
+@posix
 def test_leftovers_of_a_killed_process_are_told_and_removed(tmp_path):
     path = write_whole(tmp_path / "a.csv", b"old")
     code = (

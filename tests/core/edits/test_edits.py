@@ -6,6 +6,7 @@ so every position can be worked out by hand.
 """
 
 import json
+import os
 from types import SimpleNamespace
 
 import numpy as np
@@ -375,10 +376,11 @@ def test_a_line_is_forced_to_the_disk_whole_before_the_tracks_change(tmp_path, m
     forced = []
     monkeypatch.setattr("os.fsync", lambda descriptor: forced.append(path.read_text()))
     log.apply(Hide(frame=4, view="a", point="P"))
-    # the file, and that there is one
-    assert forced == ['{"edit": "hide", "frame": 4, "view": "a", "point": "P"}\n'] * 2
+    # the file, and, where folders can be forced, that there is one
+    times = 1 if os.name == "nt" else 2
+    assert forced == ['{"edit": "hide", "frame": 4, "view": "a", "point": "P"}\n'] * times
     log.undo()
-    assert len(forced) == 3
+    assert len(forced) == times + 1
 
 
 def test_undo_with_nothing_to_undo_writes_nothing(tmp_path):

@@ -259,12 +259,13 @@ def test_a_file_that_another_program_holds_open_is_named_before_anything_changes
 def test_messages_name_the_folder_that_was_asked_for(tmp_path):
     out = write(tmp_path / "out")
     (out / "a.csv").mkdir()
-    with pytest.raises(InputError, match=r"out/a.csv: a folder") as caught:
+    with pytest.raises(InputError, match=r"out.a\.csv: a folder") as caught:
         write(out, names=("a.csv",))
     assert ".pawnb" not in str(caught.value)
     assert find_fault(out, run="track") is None
 
 
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
 def test_a_folder_of_figures_that_leads_elsewhere_is_refused(tmp_path):
     out = write(tmp_path / "out")
     (tmp_path / "elsewhere").mkdir()
