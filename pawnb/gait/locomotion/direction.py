@@ -7,8 +7,15 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
-from pawnb.kinematics import swing_direction, travel_direction
+from pawnb.kinematics import main_axis, swing_direction, travel_direction
 from pawnb.trial import Trial
+
+MOST_ASIDE_DEG = 15.0
+"""Feet may go so far aside of forward: lengths are 3.4 % short there (by hand; those of rendered
+mice go 3 to 4 degrees aside, for they are also lifted, and those of a single leg 8)."""
+
+LEAST_LIFT = 0.03
+"""A swing that is lower than the stance by this share of its length is upside down (by hand)."""
 
 
 def find_up(trial: Trial | None, feet: FootPaths) -> FloatArray | None:
@@ -105,7 +112,41 @@ def choose_direction(
             f"{who}: the feet swing fastest backwards; is forward = {stated.tolist()} "
             "(or facing) the wrong way round?"
         ]
-    return stated, []
+    return stated, _doubt_axes(trial, feet, stated, from_feet) if n_dims == 3 else []
+
+
+def _doubt_axes(
+    trial: Trial | None, feet: FootPaths, forward: FloatArray, from_feet: FloatArray
+) -> list[str]:
+    """Say how far the feet's way is from forward, and whether they are lifted downwards.
+
+    Axes of a calibration by a board or a wand need not be those of the animal.
+    """
+    places = feet.positions - np.nanmean(feet.positions, axis=0)
+    axis = main_axis(places)
+    is_told = abs(axis @ from_feet) > 0.7  # which end of it is in front
+    axis = axis * np.sign(axis @ (from_feet if is_told else forward))
+    turned_deg = float(np.degrees(np.arccos(np.clip(axis @ forward, -1.0, 1.0))))
+    notes = []
+    if turned_deg > MOST_ASIDE_DEG:
+        x, y, z = (round(float(number), 3) + 0.0 for number in axis)
+        notes.append(
+            f"{feet.label}: the feet go to and fro {turned_deg:.0f} degrees aside of forward = "
+            f"{forward.tolist()}, so that lengths along forward come out wrong; if the axes are "
+            "those of a board or wand and not of the animal, write into trial.toml [calibration] "
+            f"forward = [{x}, {y}, {z}]{'' if is_told else ', or the opposite of it,'} and up."
+        )
+    up = find_up(trial, feet)
+    if up is not None and is_told:
+        along, height = (np.einsum("ndk,d->nk", places, way) for way in (axis, up))
+        speed, height = np.diff(along, axis=0), (height[1:] + height[:-1]) / 2
+        lift = float(np.nanmean(height[speed > 0]) - np.nanmean(height[speed < 0]))
+        if lift < -LEAST_LIFT * float(np.nanpercentile(along, 95) - np.nanpercentile(along, 5)):
+            notes.append(
+                f"{feet.label}: the feet are lower in swing than in stance by {-lift:.3g} (mean); "
+                f"is up = {up.tolist()} the wrong way round?"
+            )
+    return notes
 
 
 def _say_direction(direction: FloatArray) -> str:

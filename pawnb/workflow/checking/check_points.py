@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import pandas as pd
 
@@ -19,7 +17,7 @@ from pawnb.io.start import check_start, read_start
 from pawnb.trial import Calibration, Trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks
-from pawnb.workflow.start.propose import PAWS
+from pawnb.workflow.start.turned_axes import tell_turned_axes
 from pawnb.workflow.tracking.methods import tracker_settings
 from pawnb.workflow.tracking.point_tracker import point_trackers
 from pawnb.workflow.tracking.predicted import doubt_predictions, predictions_for
@@ -111,9 +109,7 @@ def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: Che
         signs = np.where(turned, 0, handedness(rig.coefs, xyz))
         report.doubts += tell_mirrored(rig.names, signs)
     _doubt_unit(rig.unit, xyz, report)
-    for frame in sorted({frame for frame, _ in places}):
-        own = {point: xyz for (at, point), xyz in places.items() if at == frame}
-        _doubt_order_of_paws(rig, own, frame, report)
+    report.doubts += tell_turned_axes(rig, clicks)
 
 
 def _say_scale(calibration: Calibration, views: ViewSet, report: CheckReport) -> None:
@@ -137,38 +133,6 @@ def _doubt_unit(unit: str, places: np.ndarray, report: CheckReport) -> None:
             f"the clicked points lie {apart:.3g} {unit} apart: [calibration] unit is not that "
             "of the calibration (some programs count in metres), or its scale is wrong"
         )
-
-
-def _doubt_order_of_paws(
-    rig: Rig, places: Mapping[str, np.ndarray], frame: int, report: CheckReport
-) -> None:
-    """Doubt a rig in which left paws lie on the right of right ones.
-
-    Front paws behind hind paws are no reason alone: they are so for a moment in a gallop.
-    """
-    if not set(PAWS) <= places.keys() or not all(np.isfinite(places[paw]).all() for paw in PAWS):
-        return
-    forward = np.array(rig.forward)
-    FR, HR, FL, HL = (places[paw] for paw in PAWS)
-    to_right = float((FR + HR - FL - HL) @ np.cross(forward, rig.up)) / 2
-    ahead = float((FR + FL - HR - HL) @ forward) / 2
-    if to_right >= 0:
-        return
-    if ahead < 0:
-        said = (
-            f"the animal is turned round: front paws lie {-ahead:.1f} {rig.unit} behind hind paws, "
-            f"and left paws {-to_right:.1f} {rig.unit} to the right of right ones: [calibration] "
-            "forward is the wrong way round"
-        )
-    else:
-        said = (
-            f"left paws lie {-to_right:.1f} {rig.unit} to the right of right ones: they are "
-            "clicked under each other's names, [calibration] up is the wrong way round"
-        )
-    report.doubts.append(
-        f"in frame {frame} {said}, or the columns of the calibration are in another order than "
-        "the views"
-    )
 
 
 def _check_predictions(

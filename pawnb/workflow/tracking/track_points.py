@@ -14,6 +14,7 @@ from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
+from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import Tracks, add_provenance
@@ -23,6 +24,7 @@ from pawnb.workflow.provenance.manifest import run_alone
 from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks
+from pawnb.workflow.start.turned_axes import tell_turned_axes
 from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
 from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
 from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
@@ -73,7 +75,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
-        doubts = [] if rig is None else tell_exchanged_clicks(rig, clicks)
+        doubts = [] if rig is None else _doubt_clicks(rig, clicks)
         _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:
@@ -112,6 +114,11 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
             write_track_results(tracks, out, rig=rig)
     tell_failed(tracks, complete=whole)
     return tracks
+
+
+def _doubt_clicks(rig: Rig, clicks: pd.DataFrame) -> list[str]:
+    """Say what looks wrong in the clicks as they lie in space."""
+    return [*tell_exchanged_clicks(rig, clicks), *tell_turned_axes(rig, clicks)]
 
 
 def _tell_doubts(
