@@ -82,6 +82,18 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     ).exists()
 
 
+@pytest.mark.slow
+def test_tracking_again_says_which_corrections_the_new_tracks_lack(small_trial, capsys):
+    """They are made again in the review only; who goes on to the gait would not have them."""
+    file = small_trial / "trial.toml"
+    file.write_text(file.read_text().replace("fps = 250.0", "fps = 250.0\nframes = [0, 6]"))
+    (small_trial / "results").mkdir()
+    move = '{"edit": "move", "frame": 2, "view": "cam1", "point": "FR", "u": 200.0, "v": 90.0}\n'
+    (small_trial / "results" / "edits.jsonl").write_text(move)
+    _, said, _ = run(capsys, "track", small_trial, "--method", "paper")
+    assert "look: 1 correction is not in the tracks; open the review and press Save" in said
+
+
 def test_the_next_command_can_be_copied_where_folders_have_blanks(tmp_path, capsys):
     out = tmp_path / "my mice"
     _, said, _ = run(capsys, "demo", "paws", "--out", out, "--frames", 2, "--scale", 0.06)

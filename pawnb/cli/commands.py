@@ -7,12 +7,15 @@ import json
 import sys
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pawnb.cli.shared import print_json
 from pawnb.errors import InputError
 from pawnb.files import as_word
 from pawnb.workflow.words import split_event_names, split_legs, split_settings
+
+if TYPE_CHECKING:
+    from pawnb.schema import Tracks
 
 
 def run_open(options: argparse.Namespace, _argv: list[str]) -> None:
@@ -94,7 +97,19 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
     said = f"tracked {tracks.sizes['time']} frames: {quality.line()}"
     after = next_step(quality, out, of_poses=is_pose(tracks))
     print(f"{said}; wrote {out}; next: {after}")
+    if lacks := _say_lacking(tracks, out / "edits.jsonl"):
+        print(f"look: {lacks}")
     return EXIT_FAILED if quality.verdict == "failed" else 0
+
+
+def _say_lacking(tracks: Tracks, edits: Path) -> str:
+    """Say how many corrections that a person made new tracks lack; empty where none."""
+    from pawnb.core.edits.log import say_unsaved
+
+    try:
+        return say_unsaved(tracks, edits) if edits.exists() else ""
+    except InputError as error:
+        return str(error)
 
 
 def run_suggest(options: argparse.Namespace, _argv: list[str]) -> None:

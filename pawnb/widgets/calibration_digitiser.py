@@ -196,6 +196,11 @@ class CalibrationDigitiser(FrameCanvas):
         if self._worker is not None:
             self._worker.join()
 
+    @property
+    def doing(self) -> str:
+        """What is being done without a person, in words; empty where nothing is."""
+        return self._doing
+
     # --- what a person does -------------------------------------------------------------
 
     def _digitise(self, what: str, message: Mapping[str, Any]) -> None:

@@ -7,11 +7,14 @@ from typing import Any
 
 import ipywidgets as widgets
 
+from pawnb.core.calibration.rig_from_boards import tell_disagreement
 from pawnb.core.video import open_view
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.boards import Board, read_board
 from pawnb.trial import Trial, View
 from pawnb.widgets.calibration_digitiser import CalibrationDigitiser
+from pawnb.widgets.calibration_pictures import BoardPictures
+from pawnb.widgets.calibration_wand import WandClicks
 from pawnb.widgets.form_draft import FormDraft
 from pawnb.widgets.plain import Plain
 from pawnb.workflow.calibration.name_in_trial import name_calibration
@@ -34,7 +37,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
     trial : Trial
         The trial.
     done : callable, optional
-        ``done()`` is called once ``trial.toml`` names the calibration.
+        ``done(said)`` is called once ``trial.toml`` names the calibration, with what to know of it.
     **options
         The options of :class:`FrameCanvas`.
 
@@ -45,7 +48,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
     """
 
     def __init__(
-        self, trial: Trial, *, done: Callable[[], object] | None = None, **options: Any
+        self, trial: Trial, *, done: Callable[[str], object] | None = None, **options: Any
     ) -> None:
         super().__init__()
         self.trial, self._done, self._options = trial, done, options
@@ -115,6 +118,8 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
         made = self.digitiser
         if made is None:
             raise InputError("show the pictures and calibrate first.")
+        if made.doing:
+            raise InputError(f"{made.doing}; wait for its end, then press again.")
         session = made.session
         if session is None:
             if made.trial is None or made.trial.calibration is None:
@@ -131,7 +136,7 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
                 self.trial = name_calibration(self.trial, session.written, unit=unit)
         self._draft.forget()
         if self._done is not None:
-            self._done()
+            self._done(_said_of_axes(self.trial, session))
 
     def plain_picture(self) -> bytes:
         """Return the pictures that are clicked in, as PNG."""
@@ -202,6 +207,24 @@ class CalibrationForm(Plain, widgets.VBox):  # type: ignore[misc]
             act()
         except (PawnbError, OSError) as error:
             self._told.value = str(error)
+
+
+def _said_of_axes(trial: Trial, session: Any) -> str:
+    """Say what is taken for forward and up: a board and a wand give axes of their own."""
+    said = "calibrated"
+    fitted = session.fitted if isinstance(session, BoardPictures) else None
+    if fitted is not None and (doubt := tell_disagreement(fitted)) is not None:
+        said += f", but look: {doubt}"
+    if isinstance(session, BoardPictures | WandClicks) and trial.calibration is not None:
+        ways = [
+            f"({', '.join(f'{number:g}' for number in way)})"
+            for way in (trial.calibration.forward, trial.calibration.up)
+        ]
+        said += (
+            f". In its axes {ways[0]} is taken for forward and {ways[1]} for up: where the animal "
+            "runs another way, write forward and up into trial.toml, [calibration]"
+        )
+    return f"{said}."
 
 
 def _number(text: str, what: str) -> float:

@@ -27,7 +27,7 @@ from pawnb.io.boards import Board
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.widgets.calibration_clicks import CalibrationDraft
 from pawnb.widgets.calibration_points import ASIDE_COLOUR
-from pawnb.workflow.calibration.board import find_boards, numbered
+from pawnb.workflow.calibration.board import find_boards, numbered, sides_in_space
 from pawnb.workflow.calibration.written import Written, write_calibration
 
 PICTURE_FILE = "calibration_pictures.csv"
@@ -200,7 +200,10 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
         parts = []
         for view in self.sizes:
             own = self.fitted.of_view(view)
-            parts.append(f"{view}: {own['rms_px']:.2f} px RMS of {own['n_shots']} pictures")
+            parts.append(
+                f"{view}: {own['rms_px']:.2f} px RMS of {own['n_shots']} of {len(self._shots)} "
+                "pictures"
+            )
         said = "; ".join(parts) + "."
         aside = self.fitted.shots[self.fitted.shots["set_aside"]]
         each = [f"{r.view} {r.shot} ({r.rms_px:.1f} px)" for r in aside.itertuples()]
@@ -209,8 +212,9 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
         if (doubt := tell_disagreement(self.fitted)) is not None:
             said = f"⚠ {doubt[0].upper()}{doubt[1:]}.\n{said}"
         return (
-            f"{said}\nThe yellow grid lies on the board of frame {self.fitted.floor} in every "
-            "view, z points up from it. F takes the board of the frame on the screen instead."
+            f"{said}\n{self._in_space(self.fitted)}\nThe yellow grid lies on the board of frame "
+            f"{self.fitted.floor} in every view, z points out of its face. x is taken for forward "
+            "and z for up: F takes the board of the frame on the screen instead."
         )
 
     def actions(self) -> list[dict[str, Any]]:
@@ -255,6 +259,22 @@ class BoardPictures(CalibrationDraft[_PicturesState]):
         return {"points": [], "hollow": hollow, "lines": lines, "chips": [chip], "asks": None}
 
     # --- inside -------------------------------------------------------------------------
+
+    def _in_space(self, fit: BoardFit) -> str:
+        """Say how long squares are in space, and how far cameras stand: a wrong side is seen."""
+        sides = sides_in_space(fit, self.board.corners())
+        rms = float(np.sqrt(np.mean((sides - self.board.square) ** 2)))
+        middle = self.board.corners().mean(axis=0)
+        away = [
+            f"{c.name} {np.linalg.norm(c.rotation @ middle + c.translation):.3g}"
+            for c in fit.cameras
+        ]
+        return (
+            f"In space the sides of squares of {self.board.square:g} come out "
+            f"{np.median(sides):.4g} long, off by {rms:.2g} RMS. Cameras stand so far from the "
+            f"board of frame {fit.floor}: {', '.join(away)}; if not, the side of a square is "
+            "another."
+        )
 
     def _show(self, view: str) -> Callable[[np.ndarray], np.ndarray]:
         """Return where a view, as filmed, shows points."""

@@ -176,6 +176,11 @@ class WandClicks(ClickDraft[ClickState]):
             lines.append(f"{said} of {good['frame'].nunique()} frames." + (
                 f" Set aside: {', '.join(aside)}." if aside else ""
             ))  # fmt: skip
+            away = [f"{c.name} {np.linalg.norm(c.translation):.3g}" for c in self.fitted.cameras]
+            lines.append(
+                f"Cameras stand so far from where the axes are drawn: {', '.join(away)}; if not, "
+                "the wand is of another length. x is taken for forward and z for up."
+            )
         return "\n".join(lines)
 
     def actions(self) -> list[dict[str, Any]]:

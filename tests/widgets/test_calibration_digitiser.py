@@ -265,6 +265,14 @@ def test_pictures_of_a_board_are_found_set_aside_and_taken_back(boards):
     widget.edit("action", {"frame": 3, "action": "floor", "value": None})
     widget.wait()
     assert "The yellow grid lies on the board of frame 3 in every view" in widget.status
+    # the cameras of ball_scene.py stand 600 from (0, 0, 20), and each board lies about zero
+    told = widget.status.split("so far from the board of frame 3: left ")[1].split(";")[0]
+    away = [float(number) for number in told.split(", right ")]
+    eyes = [600.0 * np.array([0.0, -np.cos(scene.DOWN), np.sin(scene.DOWN)]) + [0, 0, 20]]
+    assert away == pytest.approx([np.linalg.norm(eyes[0])] * 2, rel=0.01)
+    assert "the sides of squares of 10 come out 10" in widget.status
+    assert "of 8 pictures" in widget.status
+    assert "z for up" in widget.status
     widget.edit("select", {"frame": 2, "view": "left", "point": "board"})
     widget.edit("action", {"frame": 2, "action": "aside", "value": None})
     widget.wait()
@@ -308,6 +316,8 @@ def test_a_wand_is_clicked_frame_by_frame(opened):
     act(widget, "fit")
     widget.wait()
     assert "left: 0.0" in widget.status
+    told = widget.status.split("so far from where the axes are drawn: left ")[1].split(";")[0]
+    assert [float(x) for x in told.split(", right ")] == pytest.approx([600.0, 600.0], rel=0.02)
     # of two views that do not agree either may be the wrong one
     assert "Set aside: left 5 (" in widget.status or "Set aside: right 5 (" in widget.status
     eyes = [-c.rotation.T @ c.translation for c in widget.session.fitted.cameras]

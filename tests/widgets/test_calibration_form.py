@@ -35,6 +35,58 @@ def test_a_unit_is_not_lost_where_the_views_are_calibrated_later(bare):
     asked.close()
 
 
+def calibrated_by_points(bare, said=None):
+    """Click eight known corners in both films, and use the calibration."""
+    xyz = np.array([[x, y, z] for x in (10, 60) for y in (0, 20) for z in (0, 15)], float)
+    known = pd.DataFrame(xyz, columns=list("xyz"))
+    known.insert(0, "point", [f"p{k}" for k in range(8)])
+    known.to_csv(bare / "known.csv", index=False)
+    asked = CalibrationForm(pawnb.load_trial(bare), done=None if said is None else said.append)
+    asked.way.value, asked.file.value = "points", "known.csv"
+    asked.begin()
+    for view, k in (("cam1", 0), ("cam2", 1)):
+        coefs = scene.COEFS[:, k]
+        for point, place in zip(known["point"], xyz, strict=True):
+            u, v = coefs[:3] @ place + coefs[3], coefs[4:7] @ place + coefs[7]
+            asked.digitiser.edit(
+                "moved", {"frame": 0, "view": view, "point": point, "u": u, "v": v}
+            )
+    return asked
+
+
+def test_v_of_the_coefficients_before_is_not_said_of_the_new_ones(bare):
+    """v was counted upwards in a DLTdv file; what is clicked here counts downwards."""
+    form = TrialForm([bare / "cam1.avi", bare / "cam2.avi"])
+    form.fps.value = "250"
+    form.write()
+    form.close()
+    file = bare / "trial.toml"
+    old = '\n[calibration]\ndlt = "old.csv"\nv = "up"\nforward = [0, 1, 0]\nunit = "mm"\n'
+    text = file.read_text()
+    file.write_text(text.split("[calibration]")[0] + old)
+    said = []
+    asked = calibrated_by_points(bare, said)
+    asked.use()
+    asked.close()
+    calibration = pawnb.load_trial(bare).calibration
+    assert calibration.v == "down"
+    assert calibration.forward == (0.0, 1.0, 0.0)
+    assert said == ["calibrated."]
+
+
+def test_what_is_still_being_found_is_not_used(bare):
+    form = TrialForm([bare / "cam1.avi", bare / "cam2.avi"])
+    form.fps.value = "250"
+    form.write()
+    form.close()
+    asked = calibrated_by_points(bare)
+    asked.digitiser._doing = "Calibrating"
+    with pytest.raises(InputError, match="Calibrating; wait for its end, then press again"):
+        asked.use()
+    asked.digitiser._doing = ""
+    asked.close()
+
+
 def test_pictures_of_another_size_than_the_film_do_not_calibrate_it(bare):
     form = TrialForm([bare / "cam1.avi", bare / "cam2.avi"])
     form.fps.value = "250"

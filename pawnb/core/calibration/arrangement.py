@@ -73,7 +73,7 @@ def arrange(
     Raises
     ------
     CalibrationError
-        If a view shares no shot with the others.
+        If a view shares no shot with the others, or a single one that may be counted two ways.
     """
     uv, orders = uv.copy(), orders_of_corners(corners, may_be_turned=may_be_turned)
     n_views, n_shots = uv.shape[:2]
@@ -95,6 +95,14 @@ def arrange(
                 f"view {names[rest[0]]!r} shares no picture of the board with "
                 f"{', '.join(names[v] for v in placed)}; show the board to two views at one "
                 "instant, and give their pictures in the same order."
+            )
+        if n == 1 and len(orders) > 1:
+            raise CalibrationError(
+                f"view {names[b]!r} shares one picture of the board with {names[a]!r} and no more, "
+                "and a checkerboard does not tell from which end its corners are counted: show it "
+                "to both views at one instant in 3 pictures or more, tilted differently. A ChArUco "
+                "board that is described as a checkerboard is found in few pictures: give its "
+                "markers."
             )
         relation, order = _relation(corners, uv, poses, (a, b), lenses[b], orders)
         for s, k in order.items():

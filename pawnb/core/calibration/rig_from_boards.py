@@ -24,6 +24,10 @@ LEAST_OUTLYING_PX = 1.0
 """And above this: corners are found to 0.1 to 0.5 px (measured on mouse-4cam-cage)."""
 
 
+LEAST_SHARED = 3
+"""Shots by which a view stands to the others; one fits whatever it says, two hardly tell."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Sightings:
     """A board as seen by several views at the same instants.
@@ -201,7 +205,7 @@ def find_outlying_views(shots: pd.DataFrame) -> list[str]:
 
 
 def tell_disagreement(fit: BoardFit) -> str | None:
-    """Say which views show boards well alone, and badly together with the others.
+    """Say which views show boards well alone, and badly or too rarely together with the others.
 
     Parameters
     ----------
@@ -223,7 +227,7 @@ def tell_disagreement(fit: BoardFit) -> str | None:
     both = fit.shots.groupby("view")["rms_px"].median()
     off = [v for v in names if both[v] > max(OUTLYING * alone[v], LEAST_OUTLYING_PX)]
     if not off:
-        return None
+        return _tell_weak_link(fit.shots)
     each = ", ".join(f"{v} {both[v]:.1f} px together, {alone[v]:.1f} alone" for v in off)
     return (
         f"the views do not agree, though each alone shows the board well ({each}): pictures "
@@ -231,6 +235,29 @@ def tell_disagreement(fit: BoardFit) -> str | None:
         "dropped, the board was moved between pictures), or a camera was moved; positions in space "
         "will be wrong: bring frames of one instant to one number, and calibrate again"
     )
+
+
+def _tell_weak_link(shots: pd.DataFrame) -> str | None:
+    """Say which view stands where it stands by the word of too few shots; None without such."""
+    used = shots[~shots["set_aside"]]
+    seen = {str(view): set(own["shot"]) for view, own in used.groupby("view", sort=False)}
+    placed = [max(seen, key=lambda view: len(seen[view]))]
+    while len(placed) < len(seen):
+        known = set().union(*(seen[view] for view in placed))
+        shared = {view: len(own & known) for view, own in seen.items() if view not in placed}
+        best = max(shared, key=lambda view: shared[view])
+        if shared[best] < LEAST_SHARED:
+            n = shared[best]
+            return (
+                f"view {best!r} shares only {n} picture{'' if n == 1 else 's'} of the board with "
+                f"the other views ({', '.join(placed)}), so that small errors in px do not tell "
+                "whether it stands where it is put; positions in space may be far off: show the "
+                f"board to them at one instant in {LEAST_SHARED} pictures or more, tilted "
+                "differently (markers of a ChArUco board hide it where it is described as a "
+                "checkerboard)"
+            )
+        placed.append(best)
+    return None
 
 
 def _without_outliers(

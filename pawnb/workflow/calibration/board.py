@@ -386,14 +386,27 @@ def _result(
 ) -> BoardCalibration:
     """Measure the squares in space and put everything together."""
     square = float(np.linalg.norm(sightings.corners[1] - sightings.corners[0]))
-    sides = _sides(fit, sightings.corners)
+    sides = sides_in_space(fit, sightings.corners)
     return BoardCalibration(
         fit=fit, sides=sides, square=square, remarks=tuple(remarks), written=written
     )
 
 
-def _sides(fit: BoardFit, corners: FloatArray) -> np.ndarray:
-    """Return distances of neighbouring corners that were triangulated, without rigid boards."""
+def sides_in_space(fit: BoardFit, corners: FloatArray) -> FloatArray:
+    """Return distances of neighbouring corners that were triangulated, without rigid boards.
+
+    Parameters
+    ----------
+    fit : BoardFit
+        The cameras and what they saw.
+    corners : ndarray, shape (n_corners, 3)
+        Corners on the board.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Lengths in the unit of the board, of corners that two views or more saw.
+    """
     straight = np.stack(
         [
             Lens(matrix=tuple(map(tuple, c.matrix)), distortion=c.distortion or (0.0,) * 5)

@@ -66,10 +66,11 @@ def _put(path: Path, fields: dict[str, str]) -> None:
             "trial is calibrated one way."
         )
     section |= fields
-    if "lens" not in fields:
-        section.pop("lens", None)
+    for name in ("lens", "v"):  # they belong to the coefficients that were there before
+        if name not in fields:
+            section.pop(name, None)
     after = before
-    for name in ("dlt", "unit", "pixels", "lens"):
+    for name in ("dlt", "unit", "pixels", "lens", "v"):
         after = with_field(after, "calibration", name, value=fields.get(name))
     if not says(after, expected):
         lines = "; ".join(f'{name} = "{value}"' for name, value in fields.items())

@@ -12,6 +12,7 @@ from pawnb.core.calibration.rig_from_boards import (
     calibrate_by_boards,
     find_outlying_views,
     judge_by_boards,
+    tell_disagreement,
 )
 from pawnb.errors import CalibrationError
 from pawnb.io.boards import Board
@@ -172,3 +173,31 @@ def test_counting_is_told_for_views_that_share_a_shot_with_others_than_they_were
 
     fit = calibrate_by_boards(sightings(may_be_turned=True, change=turn))
     assert not fit.shots["set_aside"].any()
+
+
+@pytest.mark.parametrize("n_shared", [1, 2, 3])
+def test_a_view_that_hangs_on_few_shared_shots_is_said(n_shared):
+    """Its corners fit whatever the few say: an error in px does not tell."""
+
+    def rarely(uv):
+        uv[0, N // 2 + n_shared :] = np.nan
+        uv[1, : N // 2] = np.nan
+
+    fit = calibrate_by_boards(sightings(names=NAMES[:2], change=rarely))
+    assert max(fit.of_view(name)["rms_px"] for name in NAMES[:2]) < 0.2
+    said = tell_disagreement(fit)
+    if n_shared < 3:
+        assert f"shares only {n_shared} picture{'s' * (n_shared > 1)} of the board" in said
+    else:
+        assert said is None
+
+
+def test_one_shared_shot_of_a_checkerboard_is_refused():
+    """It may be counted from either end: half of all such calibrations come out wrong."""
+
+    def once(uv):
+        uv[0, N // 2 + 1 :] = np.nan
+        uv[1, : N // 2] = np.nan
+
+    with pytest.raises(CalibrationError, match="shares one picture of the board with"):
+        calibrate_by_boards(sightings(names=NAMES[:2], may_be_turned=True, change=once))
