@@ -40,7 +40,7 @@ _PAGE = 20
 """Trials that are listed at once."""
 _LEAST_BENCH_PX, _AROUND_PX = 300, 380
 """Least height of the pictures, and what the timeline and buttons around them take, CSS px."""
-_COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6.6em) minmax(20em, 3fr)"
+_COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(12em, 3fr)"
 _WRONG_IN_BENCH = {False: "#B3261E", True: "#FFB4AB"}
 
 
@@ -224,7 +224,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             buttons.append(
                 step_menu(steps[1:], lambda step: self._guard(lambda: self.do(step, state.folder)))
             )
-        return [self._cell(state.name), *marks, widgets.HBox(buttons, layout=ROW)]
+        return [self._cell(state.name, wrap=True), *marks, widgets.HBox(buttons, layout=ROW)]
 
     def _start(self, state: TrialState, frame: int | None = None) -> Any:
         """Return the widget that makes the start, and the button that goes on."""

@@ -262,6 +262,32 @@ def test_a_point_in_the_hand_is_followed_in_the_other_views(reviewing):
     notebook.assert_no_errors()
 
 
+def test_a_save_that_is_refused_says_so_in_sight(reviewing):
+    """Its button stands below the pictures, and the words above them."""
+    notebook, _ = reviewing
+    page = notebook.page
+    page.set_viewport_size({"width": 1366, "height": 600})
+    try:
+        notebook.kernel_runs(
+            "from pawnb.errors import InputError\n"
+            "def full():\n"
+            "    raise InputError('the disc is full.')\n"
+            "w.session.save = full"
+        )
+        button = page.get_by_role("button", name="Save tracks")
+        button.scroll_into_view_if_needed()
+        button.click()
+        alarm = page.locator(".pawnb-alarm", has_text="the disc is full")
+        alarm.wait_for()
+        page.wait_for_timeout(300)
+        box = alarm.bounding_box()
+        panel = page.locator(".jp-WindowedPanel-outer").first.bounding_box()
+        assert box["y"] >= panel["y"] - 1
+        assert box["y"] + box["height"] <= panel["y"] + panel["height"] + 1
+    finally:
+        page.set_viewport_size({"width": 1500, "height": 1000})
+
+
 def test_undo_redo_go_to_the_frame_they_change(reviewing):
     notebook, file = reviewing
     notebook.drag("cam1", truth(0), (200, 100))

@@ -25,7 +25,7 @@ def folder(trial_file, tmp_path):
     return tmp_path / "bench"
 
 
-@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1920, 1200)])
+@pytest.mark.parametrize(("width", "height"), [(900, 768), (1366, 768), (1920, 1200)])
 @pytest.mark.parametrize("theme", ["Light", "Dark"])
 def test_hostile_names_run_nothing_and_nothing_overflows(notebook, folder, width, height, theme):
     page = notebook.page

@@ -78,8 +78,11 @@ class Canvas extends Keys {
     if (this.dragging) return;
     const lines = this.model.get("status").split("\n");
     this.status.replaceChildren(...lines.map((text) => element("div", "", { textContent: text })));
-    this.alarm.textContent = this.model.get("alarm");
-    this.alarm.hidden = !this.model.get("alarm");
+    const alarm = this.model.get("alarm"), isNew = alarm && alarm !== this.alarm.textContent;
+    this.alarm.textContent = alarm;
+    this.alarm.hidden = !alarm;
+    // the button that was refused may stand below the pictures, where the words are out of sight
+    if (isNew) this.alarm.scrollIntoView({ block: "nearest" });
     // the room that words once took stays theirs: the picture does not jump back up when fewer
     // follow, as the next click may be on its way
     this.tall = Math.max(this.tall, this.status.getBoundingClientRect().height);

@@ -108,7 +108,8 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
         sizes = run.sizes
         tolerance = {name: _tolerance_px(reader.width) for name, reader in views.readers.items()}
-    new = in_real_units(new, trial, units="px")
+    # an animal that was renamed in trial.toml is still that of these tracks
+    new = in_real_units(new, trial, units="px").assign_coords(individual=tracks["individual"])
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
         return tracks  # stopped: a part of the recording does not decide over the whole
     new = new.isel(time=np.isin(new["frame"], known))

@@ -263,6 +263,19 @@ def test_retracking_keeps_what_was_before_and_starts_from_the_correction(tracked
         retrack(trial, tracks, 99)
 
 
+def test_an_animal_that_was_renamed_since_keeps_its_tracks_when_tracked_again(tracked, small_trial):
+    """The new tracks were joined to the old ones by the animal's name, which left none of them."""
+    file = small_trial / "trial.toml"
+    file.write_text(file.read_text().replace('id = "synthetic-01"', 'id = "m 7"'))
+    trial = load_trial(small_trial)
+    assert trial.animal.id == "m 7"
+    tracks = tracked[0]
+    again = retrack(trial, tracks, 6)
+    assert again.sizes == tracks.sizes
+    known = np.isfinite(tracks["image_position"].to_numpy())
+    assert np.isfinite(again["image_position"].to_numpy())[known].mean() > 0.9
+
+
 @pytest.mark.parametrize("method", [pytest.param("paper", marks=pytest.mark.slow), "pawnb"])
 def test_tracking_again_changes_the_corrected_points_only(method, small_trial):
     """FR is put right in frame 4 and in frame 8: rows 4 to 7 of FR are tracked again."""
