@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -30,6 +31,10 @@ _SAME_EVENT_S = 1e-6
 _SHIFTED = 0.25
 """Share of the usual time between two events of a kind by which one may lie elsewhere once events
 are found anew, as after tracks were corrected: the next of its kind is four times as far."""
+
+_NOT_BESIDE = 0.5
+"""The same as a share of the time to the nearest other event of the kind: beyond it, what is found
+anew may be that one, of a pair of which one was wrong and is no longer found."""
 
 
 def own_events(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
@@ -63,7 +68,7 @@ def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent, *, anew: boo
     """
     own = own_events(events, edit)
     own = own[own["event"] == edit.event]
-    k = _nearest(own["time_s"].to_numpy(float), edit.time_s, anew=anew)
+    k = _nearest(own["time_s"].to_numpy(float), edit.time_s, edit.beside_s, anew=anew)
     if k is None:
         raise InputError(
             f"trial {edit.trial!r}: {edit.leg} has no {edit.event} at {edit.time_s:.4f} s; the "
@@ -72,18 +77,59 @@ def find_event(events: pd.DataFrame, edit: MoveEvent | DeleteEvent, *, anew: boo
     return own.index[k]
 
 
-def _nearest(times_s: FloatArray, time_s: float, *, anew: bool) -> int | None:
+def _nearest(
+    times_s: FloatArray, time_s: float, beside_s: float | None, *, anew: bool
+) -> int | None:
     """Return which event a correction means: that at its time, or where found anew near it."""
     if not len(times_s):
         return None
     away = np.abs(times_s - time_s)
     k = int(away.argmin())
-    between = float(np.median(np.diff(times_s))) if anew and len(times_s) > 1 else 0.0
-    return k if away[k] < max(_SAME_EVENT_S, _SHIFTED * between) else None
+    reach = _SHIFTED * float(np.median(np.diff(times_s))) if anew and len(times_s) > 1 else 0.0
+    if beside_s is not None:
+        reach = min(reach, _NOT_BESIDE * abs(time_s - beside_s))
+    return k if away[k] < max(_SAME_EVENT_S, reach) else None
 
 
-def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.DataFrame:
+def with_neighbour(edit: EventEdit, tables: GaitTables) -> EventEdit:
+    """Return a correction with the time of the nearest other event of its kind.
+
+    Parameters
+    ----------
+    edit : EventEdit
+        The correction, as it is made.
+    tables : GaitTables
+        The analysis that it is made in.
+
+    Returns
+    -------
+    EventEdit
+        The correction; without that time where the leg has no other such event.
+    """
+    events = tables.events
+    if isinstance(edit, ExcludeStride):
+        kind, at = _start_of(events, edit, tables), edit.start_s
+    else:
+        kind, at = edit.event, edit.time_s
+    own = own_events(events, edit)
+    others = own.loc[own["event"] == kind, "time_s"].to_numpy(float)
+    others = others[np.abs(others - at) >= _SAME_EVENT_S]
+    beside = float(others[np.abs(others - at).argmin()]) if len(others) else None
+    return dataclasses.replace(edit, beside_s=beside)
+
+
+def _start_of(events: pd.DataFrame, edit: ExcludeStride, tables: GaitTables) -> str:
+    """Return the kind of the events from which strides of a trial are counted."""
+    trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
+    return choose_stride_event(trial, tables.settings.stride_events)
+
+
+def add_event(
+    events: pd.DataFrame, edit: AddEvent, tables: GaitTables, *, anew: bool = False
+) -> pd.DataFrame:
     """Return the events with one more, in its place among those of its leg.
+
+    Where events were found anew and it is found by now, it is moved to the time that was given.
 
     Parameters
     ----------
@@ -93,6 +139,8 @@ def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.Da
         The correction.
     tables : GaitTables
         The analysis, for its signals and settings.
+    anew : bool
+        Whether the events were found anew since.
 
     Returns
     -------
@@ -110,6 +158,14 @@ def add_event(events: pd.DataFrame, edit: AddEvent, tables: GaitTables) -> pd.Da
         raise InputError(
             f"trial {edit.trial!r}: {edit.leg} has no events {edit.event!r}; expected {known}."
         )
+    alike = own.loc[own["event"] == edit.event, "time_s"].to_numpy(float)
+    k = _nearest(alike, edit.time_s, edit.beside_s, anew=True) if anew else None
+    if k is not None:
+        found = MoveEvent(
+            animal=edit.animal, trial=edit.trial, leg=edit.leg, event=edit.event,
+            time_s=float(alike[k]), to_s=edit.time_s,
+        )  # fmt: skip
+        return move_event(events, found, tables)
     same = own["event"].isin(_pair_of(edit.event)) & (
         (own["time_s"] - edit.time_s).abs() < _SAME_EVENT_S
     )
@@ -254,10 +310,9 @@ def exclude_stride(
     if not edit.reason.strip():
         raise InputError("a stride is excluded for a reason; say why.")
     own = own_events(events, edit)
-    trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
-    start = choose_stride_event(trial, tables.settings.stride_events)
+    start = _start_of(events, edit, tables)
     times = own.loc[own["event"] == start, "time_s"].to_numpy(float)
-    at = _nearest(times, edit.start_s, anew=anew)
+    at = _nearest(times, edit.start_s, edit.beside_s, anew=anew)
     if at is None or at + 1 == len(times):
         raise InputError(
             f"trial {edit.trial!r}: no stride of {edit.leg} begins at {edit.start_s:.4f} s."

@@ -25,6 +25,9 @@ class MoveEvent:
     fps : float, optional
         Frames a second by which these times were counted; the same frames have other times once
         the frame rate of the recording is mended.
+    beside_s : float, optional
+        When the nearest other event of the kind was, as the correction was made: so that this is
+        not taken for it once events are found anew.
     """
 
     animal: str
@@ -34,6 +37,7 @@ class MoveEvent:
     time_s: float
     to_s: float
     fps: float | None = None
+    beside_s: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +50,7 @@ class DeleteEvent:
     event: str
     time_s: float
     fps: float | None = None
+    beside_s: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +63,7 @@ class AddEvent:
     event: str
     time_s: float
     fps: float | None = None
+    beside_s: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +78,8 @@ class ExcludeStride:
         When it begins.
     reason : str
         Why; it stands in the table of what was dropped.
-    fps : float, optional
-        As of :class:`MoveEvent`.
+    fps, beside_s : float, optional
+        As of :class:`MoveEvent`; of the events that begin strides.
     """
 
     animal: str
@@ -82,6 +88,7 @@ class ExcludeStride:
     start_s: float
     reason: str
     fps: float | None = None
+    beside_s: float | None = None
 
 
 EventEdit: TypeAlias = MoveEvent | DeleteEvent | AddEvent | ExcludeStride

@@ -103,6 +103,8 @@ def in_time_of(edit: EventEdit, events: pd.DataFrame) -> EventEdit:
     if edit.fps is None or rate is None:
         return edit
     scale = edit.fps / rate
+    if edit.beside_s is not None:
+        edit = dataclasses.replace(edit, beside_s=edit.beside_s * scale)
     if isinstance(edit, ExcludeStride):
         return dataclasses.replace(edit, start_s=edit.start_s * scale, fps=rate)
     if isinstance(edit, MoveEvent):

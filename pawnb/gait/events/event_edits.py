@@ -21,6 +21,7 @@ from pawnb.gait.events.event_edit_effects import (
     exclude_stride,
     find_event,
     move_event,
+    with_neighbour,
 )
 from pawnb.gait.events.event_edit_names import rename_event_edits, under_its_name
 from pawnb.gait.events.event_edit_records import (
@@ -125,7 +126,7 @@ class EventEdits:
         InputError
             If it does not fit the events or cannot be written; nothing has changed then.
         """
-        edit = with_rate(edit, self._found.events)
+        edit = with_neighbour(with_rate(edit, self._found.events), self.tables)
         return self._become([*self._past, edit], [], edit)
 
     def undo(self) -> GaitTables:
@@ -339,7 +340,7 @@ def _apply(
             elif isinstance(edit, DeleteEvent):
                 events = events.drop(index=find_event(events, edit, anew=anew))
             elif isinstance(edit, AddEvent):
-                events = add_event(events, edit, tables)
+                events = add_event(events, edit, tables, anew=anew)
             else:
                 events = move_event(events, edit, tables, anew=anew)
         except InputError:
