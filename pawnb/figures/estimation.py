@@ -19,11 +19,13 @@ from pawnb.schema import check_columns
 
 COLUMNS = (
     "row", "measure", "group", "against", "animal", "value", "ci_low", "ci_high", "effect", "p",
-    "p_adjusted", "n", "n_animals", "paired",
+    "p_adjusted", "n", "n_animals", "paired", "counts",
 )  # fmt: skip
 _FROM_COMPARISON = ("ci_low", "ci_high", "effect", "p", "p_adjusted")
 _AXIS_SHARE = 0.7
 """Of the width of the figure, without the numbers beside it."""
+_NOT_COMPARED = "0.72"
+"""Grey of animals without a partner: seen, but not in mean or difference."""
 
 
 def build_estimation_table(
@@ -61,7 +63,9 @@ def build_estimation_table(
     pandas.DataFrame
         ``row`` is ``animal`` (mean of one animal's ``n`` values), ``mean`` (of a group's
         animals) or ``difference`` (``group`` less ``against``, from
-        :func:`pawnb.gait.groups.compare_groups`, with Hedges' g as ``effect``).
+        :func:`pawnb.gait.groups.compare_groups`, with Hedges' g as ``effect``). ``counts`` is
+        whether an animal is compared: of conditions, one that lacks its partner is not, and
+        is not in the ``mean`` either.
 
     Raises
     ------
@@ -86,24 +90,39 @@ def build_estimation_table(
         known, [measure], group=group, paired=paired, level=level, average_over=average_over
     )
     drawn = _against(found, names, reference)
+    one = names[0] if reference is None else str(reference)
+    own = {name: known[known[group].astype(str) == name].astype({"animal": str}) for name in names}
+    compared = _compared({name: set(part["animal"]) for name, part in own.items()}, one, paired)
     rows: list[dict[str, Any]] = []
-    for name in names:
-        own = known[known[group].astype(str) == name].astype({"animal": str})
-        means = mean_by_animal(own, measure, average_over=average_over)
-        sizes = own["animal"].value_counts().to_dict()
+    for name, part in own.items():
+        means = mean_by_animal(part, measure, average_over=average_over)
+        sizes = part["animal"].value_counts().to_dict()
         rows += [
-            {"row": "animal", "group": name, "animal": animal, "value": mean, "n": sizes[animal]}
+            {"row": "animal", "group": name, "animal": animal, "value": mean, "n": sizes[animal],
+             "counts": animal in compared[name]}
             for animal, mean in means.items()
-        ]
-        rows.append({"row": "mean", "group": name, "value": float(means.mean()),
-                     "n": len(own), "n_animals": len(means)})  # fmt: skip
+        ]  # fmt: skip
+        means = means[means.index.isin(compared[name])]
+        rows.append({"row": "mean", "group": name, "value": float(means.mean()), "counts": True,
+                     "n": sum(sizes[a] for a in means.index), "n_animals": len(means)})  # fmt: skip
     for pair in drawn:
         rows.append({"row": "difference", "group": pair["group_b"], "against": pair["group_a"],
-                     "value": pair["difference"], "n": pair["n_a"] + pair["n_b"],
+                     "value": pair["difference"], "n": pair["n_a"] + pair["n_b"], "counts": True,
                      "n_animals": pair["n_animals_a"] + pair["n_animals_b"] * (not paired),
                      **{name: pair[name] for name in _FROM_COMPARISON}})  # fmt: skip
     whole = pd.DataFrame(rows).assign(measure=measure, paired=paired)
     return whole.reindex(columns=list(COLUMNS))
+
+
+def _compared(animals: dict[str, set[str]], reference: str, paired: bool) -> dict[str, set[str]]:
+    """Return the animals of each group that are compared: of conditions, those with a partner."""
+    if not paired:
+        return animals
+    others = set().union(*(own for name, own in animals.items() if name != reference))
+    return {
+        name: own & (others if name == reference else animals[reference])
+        for name, own in animals.items()
+    }
 
 
 def _against(
@@ -179,10 +198,12 @@ def plot_estimation(
             own = animals[animals["group"] == name]
             # animals lie side by side, so that equal means are seen
             across = x + (np.linspace(-0.22, 0.22, len(own)) if len(own) > 1 else np.zeros(1))
-            for at, animal, value in zip(across, own["animal"], own["value"], strict=True):
+            columns = (across, own["animal"], own["value"], own["counts"])
+            for at, animal, value, counts in zip(*columns, strict=True):
                 spot = float(x) if paired else float(at)
                 places[name, animal] = spot, float(value)
-                draw_points(above, [spot], [value], mark=marks[animal], color="0.35", zorder=3)
+                shade = "0.35" if counts else _NOT_COMPARED
+                draw_points(above, [spot], [value], mark=marks[animal], color=shade, zorder=3)
             mean = table[(table["row"] == "mean") & (table["group"] == name)]
             above.plot([x - 0.3, x + 0.3], [mean["value"].iloc[0]] * 2, color="black",
                        linewidth=1.6, zorder=2)  # fmt: skip
@@ -191,13 +212,7 @@ def plot_estimation(
                 line = [places[name, animal] for name in groups if (name, animal) in places]
                 above.plot(*zip(*line, strict=True), color="0.75", linewidth=0.6, zorder=1)
         _draw_differences(below, table, groups)
-        means = table[table["row"] == "mean"].set_index("group")
-        counts = means["n_animals"].astype(int)
-        room = _letters(groups)
-        words = [
-            f"{wrap_name(g, room)}\n{counts[g]} animal{'s' * int(counts[g] != 1)}" for g in groups
-        ]
-        below.set_xticks(range(len(groups)), words)
+        below.set_xticks(range(len(groups)), _names_with_counts(table, groups))
         below.set_xlim(-0.6, len(groups) - 0.25)
         above.set_ylabel(label)
         below.set_ylabel(f"Difference in\n{label[:1].lower()}{label[1:]}")
@@ -207,6 +222,18 @@ def plot_estimation(
             add_animal_legend(above, marks)
         figure.align_ylabels([above, below])
     return above
+
+
+def _names_with_counts(table: pd.DataFrame, groups: list[str]) -> list[str]:
+    """Return the names of groups, each with how many of its animals are compared."""
+    counted = table[table["row"] == "mean"].set_index("group")["n_animals"].astype(int)
+    there = table[table["row"] == "animal"]["group"].value_counts()
+    words = []
+    for name in groups:
+        n, whole = int(counted[name]), int(there[name])
+        of = f"{n} of {whole}" if n < whole else f"{n}"
+        words.append(f"{wrap_name(name, _letters(groups))}\n{of} animal{'s' * (whole != 1)}")
+    return words
 
 
 def _letters(groups: list[str]) -> int:
@@ -219,10 +246,15 @@ def _draw_differences(ax: Axes, table: pd.DataFrame, groups: list[str]) -> None:
     ax.axhline(0.0, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
     for pair in table[table["row"] == "difference"].to_dict("records"):
         x, value = groups.index(pair["group"]), pair["value"]
+        if not math.isfinite(value):  # no animal is in both
+            continue
         if math.isfinite(pair["ci_low"]):
             ax.plot([x, x], [pair["ci_low"], pair["ci_high"]], color="black", linewidth=1.6)
         ax.plot([x], [value], marker="o", markersize=5.0, color="black")
         said = wrap_name(f"less {pair['against']}", _letters(groups))
+        if pair["paired"]:
+            n = int(pair["n_animals"])
+            said += f"\n{n} pair{'s' * (n != 1)}"
         if math.isfinite(pair["effect"]):
             said += f"\ng {pair['effect']:.2f}"
         if math.isfinite(pair["p_adjusted"]):

@@ -95,3 +95,58 @@ def test_bad_input_is_refused():
         build_estimation_table(strides().assign(length=np.nan), "length")
     with pytest.raises(InputError, match=r"^estimation plot: the table is empty"):
         plot_estimation(build_estimation_table(strides(), "length").iloc[:0])
+
+
+def lacking(*gone):
+    """Conditions of four animals; some lack one of them."""
+    means = {"before": (1.0, 2.0, 3.0, 9.0), "after": (4.0, 5.0, 7.0, 20.0), "late": (2, 4, 5, 6)}
+    rows = [
+        (f"m{k}", condition, mean + away)
+        for condition, own in means.items()
+        for k, mean in enumerate(own)
+        for away in (-0.5, 0.5)
+        if (f"m{k}", condition) not in gone
+    ]
+    return pd.DataFrame(rows, columns=["animal", "condition", "length"])
+
+
+def test_animals_without_a_partner_are_seen_but_not_in_the_means():
+    known = lacking(("m3", "after")).query("condition != 'late'")
+    table = build_estimation_table(known, "length", group="condition", paired=True)
+    means = table[table["row"] == "mean"].set_index("group")
+    # by hand: of 1, 2, 3 (9 has no partner) and 4, 5, 7
+    assert means["value"].to_dict() == pytest.approx({"before": 2.0, "after": 16.0 / 3.0})
+    assert means[["n", "n_animals"]].to_numpy().tolist() == [[6, 3], [6, 3]]
+    (away,) = table[table["row"] == "difference"].to_dict("records")
+    assert means.loc["after", "value"] - means.loc["before", "value"] == pytest.approx(
+        away["value"]
+    )
+    assert table[table["row"] == "animal"]["counts"].tolist() == [True] * 3 + [False] + [True] * 3
+    above, below = plot_estimation(table).figure.axes
+    names = [t.get_text() for t in below.get_xticklabels()]
+    assert names == ["before\n3 of 4 animals", "after\n3 animals"]
+    colours = [line.get_markeredgecolor() for line in above.lines if line.get_linestyle() == "None"]
+    assert len(colours) == 7
+    assert [c != colours[0] for c in colours] == [False] * 3 + [True] + [False] * 3
+    assert "3 pairs" in below.texts[0].get_text()
+
+
+def test_each_condition_counts_who_is_in_the_reference_too():
+    table = build_estimation_table(
+        lacking(("m3", "before"), ("m0", "late")), "length", group="condition", paired=True
+    )
+    means = table[table["row"] == "mean"].set_index("group")
+    # by hand: 1, 2, 3 have partners; 4, 5, 7 without 20; 4, 5 without 6
+    assert means["value"].to_dict() == pytest.approx(
+        {"before": 2.0, "after": 16.0 / 3.0, "late": 4.5}
+    )
+    pairs = table[table["row"] == "difference"].set_index("group")["n_animals"].to_dict()
+    assert pairs == {"after": 3, "late": 2}
+
+
+def test_conditions_that_share_no_animal_have_no_difference():
+    known = lacking(("m0", "late"), ("m1", "late"), ("m2", "late"), ("m3", "before"))
+    table = build_estimation_table(known, "length", group="condition", paired=True)
+    _, below = plot_estimation(table).figure.axes
+    assert len(below.texts) == 1
+    assert below.get_xticklabels()[2].get_text() == "late\n0 of 1 animal"

@@ -25,7 +25,7 @@ from pawnb.gait.locomotion.direction import find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
 from pawnb.gait.locomotion.substrate import find_belt_speed, measure_motion, speed_over_substrate
-from pawnb.gait.locomotion.time_scales import Scales, least_excursion
+from pawnb.gait.locomotion.time_scales import Scales, least_excursions, say_held_still
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import along
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
@@ -116,6 +116,7 @@ def analyse_space(
     if feet.angle_deg is not None:
         turning, how = smooth(feet.angle_deg), "leg angle"
     extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, found_body.standing)
+    notes += say_held_still(feet, turning, settings)
     velocity = differentiate(lab, dt=1.0 / fs)
     treadmill = found_body.treadmill
     belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
@@ -199,10 +200,13 @@ def _extremes_of_feet(
 ) -> tuple[list[list[Extreme]], list[list[Rejected]]]:
     """Find the extremes of every foot where the animal goes, each with its own least excursion."""
     extremes, rejected = [], []
-    for column in np.where(standing[:, None], np.nan, position).T:
-        least = least_excursion(column, settings)
+    going = np.where(standing[:, None], np.nan, position)
+    for column, least in zip(going.T, least_excursions(going, settings), strict=True):
         if not least:
-            found: tuple[list[Extreme], list[Rejected]] = ([], [])  # never seen, or never moved
+            found: tuple[list[Extreme], list[Rejected]] = (
+                [],
+                [],
+            )  # never seen, or held still
         else:
             found = find_extremes(
                 column,

@@ -18,7 +18,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
-from pawnb.gait.locomotion.time_scales import least_excursion
+from pawnb.gait.locomotion.time_scales import least_excursion, least_excursions
 from pawnb.kinematics import main_axis, smooth_path
 from pawnb.signals import butterworth_lowpass, fill_gaps, find_turns
 
@@ -240,8 +240,7 @@ def _regular_share(positions: FloatArray, forward: FloatArray, settings: EventSe
     """Return which share of the time of all feet is strides of about the usual time."""
     fore_aft = np.einsum("ndk,d->nk", positions, forward)
     times: list[float] = []
-    for column in fore_aft.T:
-        least = least_excursion(column, settings)
+    for column, least in zip(fore_aft.T, least_excursions(fore_aft, settings), strict=True):
         if least > 0.0:
             turns = find_turns(fill_gaps(column, max_gap=len(column)), min_excursion=least)
             times += np.diff(turns[turns[:, 1] > 0, 0]).tolist()

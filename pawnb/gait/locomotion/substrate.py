@@ -14,6 +14,9 @@ from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import BodyFrame
 
 _SLIP_ALLOWED = 0.15
+_CARRIED_OTHERWISE = 0.5
+"""Share by which a foot in stance may differ from the feet on the whole and still stand on the
+belt: one in the air does not go back, and a ball turns under each side at a speed of its own."""
 
 
 def find_belt_speed(
@@ -77,8 +80,25 @@ def find_belt_speed(
         f"{who}: belt speed about {own:.4g} {feet.unit}/s, taken from the feet in stance, stride "
         f"by stride, because {why}"
     )
-    local = [stance_velocity_over_time(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
-    return -np.mean([one for one in local if np.isfinite(one).all()], axis=0), [note]
+    carried = [abs(s + own) <= _CARRIED_OTHERWISE * own for s in stance]  # not where s is NaN
+    off = [
+        leg
+        for leg, s, with_it in zip(feet.legs, stance, carried, strict=True)
+        if math.isfinite(s) and not with_it
+    ]
+    if off:
+        note += (
+            f" {', '.join(off)} {'are' if len(off) > 1 else 'is'} carried otherwise and not "
+            "counted: does the foot stand on the belt?"
+        )
+    local = [
+        stance_velocity_over_time(v, e)
+        for v, e, with_it in zip(velocity.T, extremes, carried, strict=True)
+        if with_it
+    ]
+    if not local:
+        return np.full(n, own), [note]
+    return -np.mean(local, axis=0), [note]
 
 
 def speed_over_substrate(

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.signals import butterworth_lowpass, fill_gaps, find_turns
@@ -20,6 +20,9 @@ _CUTOFF_STRIDES = 10.0
 
 _FEWER = 0.9
 """Steps that a low-pass leaves by less than this share were jitter; periods are whole samples."""
+
+_HELD = 0.1
+"""Share of the movement of the feet on the whole below which a foot makes no steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,8 +129,86 @@ def least_excursion(position: FloatArray, settings: EventSettings) -> float:
     """
     if settings.min_excursion is not None or not np.isfinite(position).any():
         return settings.min_excursion or 0.0
+    return settings.min_excursion_fraction * _range_of(position)
+
+
+def least_excursions(position: FloatArray, settings: EventSettings) -> FloatArray:
+    """Choose the least excursion between AEP and PEP of each foot of an animal.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n, k)
+        Positions along forward; NaN where missing.
+    settings : EventSettings
+        Settings.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+        In the unit of ``position``; 0 for a foot that was never seen, that never moved, or that is
+        held still where the others step: its turns are jitter. A least excursion that the settings
+        state holds for all feet.
+    """
+    least = np.array([least_excursion(column, settings) for column in position.T])
+    return np.where(held_still(position, settings), 0.0, least)
+
+
+def held_still(position: FloatArray, settings: EventSettings) -> BoolArray:
+    """Say which feet of an animal are held still where the others step.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n, k)
+        Positions along forward; NaN where missing.
+    settings : EventSettings
+        Settings; where they state the least excursion, it tells what a step is.
+
+    Returns
+    -------
+    ndarray of bool, shape (k,)
+        True for feet that move by less than a tenth of what the feet do on the whole.
+    """
+    ranges = np.array([_range_of(column) for column in position.T])
+    known = np.isfinite(ranges)
+    if settings.min_excursion is not None or not known.any():
+        return np.zeros(len(ranges), dtype=bool)
+    return known & (ranges < _HELD * float(np.median(ranges[known])))
+
+
+def say_held_still(feet: FootPaths, position: FloatArray, settings: EventSettings) -> list[str]:
+    """Name the feet that are held still, of which no strides are made.
+
+    Parameters
+    ----------
+    feet : FootPaths
+        The feet.
+    position : ndarray, shape (n, k)
+        Their positions along forward, or the angles of their legs.
+    settings : EventSettings
+        Settings.
+
+    Returns
+    -------
+    list of str
+        A note; none where all of them step.
+    """
+    held = held_still(position, settings)
+    legs = [leg for leg, one in zip(feet.legs, held, strict=True) if one]
+    if not legs:
+        return []
+    return [
+        f"{', '.join(legs)} move{'s' * (len(legs) == 1)} by less than {_HELD:.0%} of what the feet "
+        "do on the whole: held still, or another point than the foot was followed. No strides are "
+        "made of that; min_excursion states what a step is."
+    ]
+
+
+def _range_of(position: FloatArray) -> float:
+    """Return how far a foot moves, from the 5th to the 95th percentile; NaN if never seen."""
+    if not np.isfinite(position).any():
+        return math.nan
     low, high = np.nanpercentile(position, [5, 95])
-    return settings.min_excursion_fraction * float(high - low)
+    return float(high - low)
 
 
 def without_jitter(positions: FloatArray, *, frequency_hz: float, fs_hz: float) -> FloatArray:
@@ -202,8 +283,8 @@ def stepping_frequency(
 def _turning_frequency(position: FloatArray, settings: EventSettings, fs_hz: float) -> float:
     """Return the inverse of the median time between the AEP of a foot; NaN without any."""
     periods: list[float] = []
-    for column in position.T:
-        least = least_excursion(column, settings)
+    columns = zip(position.T, least_excursions(position, settings), strict=True)
+    for column, least in columns:
         if least > 0.0:
             turns = find_turns(column, min_excursion=least)
             periods += np.diff(turns[turns[:, 1] > 0, 0]).tolist()
