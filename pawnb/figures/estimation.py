@@ -228,11 +228,15 @@ def _names_with_counts(table: pd.DataFrame, groups: list[str]) -> list[str]:
     """Return the names of groups, each with how many of its animals are compared."""
     counted = table[table["row"] == "mean"].set_index("group")["n_animals"].astype(int)
     there = table[table["row"] == "animal"]["group"].value_counts()
+    room = _letters(groups)
     words = []
     for name in groups:
         n, whole = int(counted[name]), int(there[name])
-        of = f"{n} of {whole}" if n < whole else f"{n}"
-        words.append(f"{wrap_name(name, _letters(groups))}\n{of} animal{'s' * (whole != 1)}")
+        said = f"{n} of {whole}" if n < whole else f"{n}"
+        said += f" animal{'s' * (whole != 1)}"
+        # a letter's room lies between the counts of two groups
+        said = wrap_name(said, room - 1) if room > len("animals") else f"n {n}"
+        words.append(f"{wrap_name(name, room)}\n{said}")
     return words
 
 
@@ -244,21 +248,24 @@ def _letters(groups: list[str]) -> int:
 def _draw_differences(ax: Axes, table: pd.DataFrame, groups: list[str]) -> None:
     """Draw differences with intervals, and write effect size and p beside them."""
     ax.axhline(0.0, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
-    for pair in table[table["row"] == "difference"].to_dict("records"):
+    differences = table[(table["row"] == "difference") & np.isfinite(table["value"].astype(float))]
+    for k, pair in enumerate(differences.to_dict("records")):
         x, value = groups.index(pair["group"]), pair["value"]
-        if not math.isfinite(value):  # no animal is in both
-            continue
         if math.isfinite(pair["ci_low"]):
             ax.plot([x, x], [pair["ci_low"], pair["ci_high"]], color="black", linewidth=1.6)
         ax.plot([x], [value], marker="o", markersize=5.0, color="black")
-        said = wrap_name(f"less {pair['against']}", _letters(groups))
+        said = []
+        if k == 0:  # all of them are against one group
+            said.append(f"less {pair['against']}")
         if pair["paired"]:
             n = int(pair["n_animals"])
-            said += f"\n{n} pair{'s' * (n != 1)}"
+            said.append(f"{n} pair{'s' * (n != 1)}")
         if math.isfinite(pair["effect"]):
-            said += f"\ng {pair['effect']:.2f}"
+            said.append(f"g {pair['effect']:.2f}")
         if math.isfinite(pair["p_adjusted"]):
             p = pair["p_adjusted"]
-            said += "\np < 0.001" if p < 0.001 else f"\np {p:.3f}"
-        ax.annotate(said, (x, value), xytext=(6.0, 0.0), textcoords="offset points",
+            name = "p" if p == pair["p"] else "adj. p"
+            said.append(f"{name} < 0.001" if p < 0.001 else f"{name} {p:.3f}")
+        words = "\n".join(wrap_name(line, _letters(groups)) for line in said)
+        ax.annotate(words, (x, value), xytext=(6.0, 0.0), textcoords="offset points",
                     va="center", fontsize=small_pt())  # fmt: skip

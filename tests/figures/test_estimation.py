@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
@@ -149,4 +151,23 @@ def test_conditions_that_share_no_animal_have_no_difference():
     table = build_estimation_table(known, "length", group="condition", paired=True)
     _, below = plot_estimation(table).figure.axes
     assert len(below.texts) == 1
-    assert below.get_xticklabels()[2].get_text() == "late\n0 of 1 animal"
+    assert below.get_xticklabels()[2].get_text() == "late\n0 of 1\nanimal"
+
+
+def test_words_of_many_conditions_do_not_run_into_each_other():
+    base = np.arange(5.0)
+    rows = [
+        (f"m{k}", f"day {c}", 10.0 + value + c * (1.0 + 0.1 * k))
+        for c in range(5)
+        for k, value in enumerate(base)
+    ]
+    known = pd.DataFrame(rows, columns=["animal", "condition", "length"])
+    table = build_estimation_table(known, "length", group="condition", paired=True)
+    _, below = plot_estimation(table).figure.axes
+    below.figure.canvas.draw()
+    boxes = [t.get_window_extent() for t in below.get_xticklabels()]
+    gaps = [b.x0 - a.x1 for a, b in itertools.pairwise(boxes)]
+    assert min(gaps) > 0.0
+    # once, as all are against the same one; and p of several comparisons is adjusted
+    assert [t.get_text().count("less") for t in below.texts] == [1, 0, 0, 0]
+    assert all("adj. p" in t.get_text().replace("\n", " ") for t in below.texts)

@@ -116,11 +116,10 @@ def analyse_space(
     if feet.angle_deg is not None:
         turning, how = smooth(feet.angle_deg), "leg angle"
     extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, found_body.standing)
-    notes += say_held_still(feet, turning, settings)
     velocity = differentiate(lab, dt=1.0 / fs)
     treadmill = found_body.treadmill
     belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
-    notes += said
+    notes += [*say_held_still(feet, turning, settings), *said]
     motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
     height = _height(feet, up, smooth) if settings.use_height else None
     across = None
