@@ -12,7 +12,7 @@ from pawnb.arrays import FloatArray
 from pawnb.gait.circular.mean import circular_sd, mean_vector, widest_interval, wrap
 from pawnb.gait.circular.rayleigh import rayleigh_p
 from pawnb.gait.circular.second_order import animal_vectors, moore_test
-from pawnb.gait.inference.checks import check_level
+from pawnb.gait.inference.checks import check_level, is_rounding
 from pawnb.gait.inference.circular_length import length_interval
 from pawnb.gait.inference.circular_sample import NO_MEAN, ONE_ANIMAL, phase_standard_error
 from pawnb.gait.inference.linear_fit import t_quantile
@@ -20,6 +20,11 @@ from pawnb.gait.inference.linear_fit import t_quantile
 WHOLE_CYCLE = (
     "the animals do not determine a mean phase: any is possible, and the interval is as long as "
     "one that holds the mean by chance alone"
+)
+
+ALL_THE_SAME = (
+    "the animals' mean phases are all the same, as whole frames of few strides may make them: "
+    "interval and p are not to be trusted"
 )
 
 
@@ -110,6 +115,8 @@ def phase_of_animals(
     if (high - low) % 1.0 > level - 1e-9 or high - low == 1.0:
         note = "; ".join(part for part in (WHOLE_CYCLE, note) if part)
     mean, r, _ = mean_vector(means)
+    if math.isfinite(mean) and is_rounding(phase_standard_error(means), np.ones(1)):
+        note = "; ".join(part for part in (ALL_THE_SAME, note) if part)
     r_low, r_high = length_interval(r, k, level=level)
     moore = moore_test(means, lengths)
     return AnimalPhase(
