@@ -13,7 +13,7 @@ from pawnb.gait.phases.phase_table import summarise_phases
 @pytest.mark.parametrize("phases", [[0.5, 0.5], [0.5, 0.5, 0.5 + 1e-15], [0.1, 0.1 + 1e-14]])
 def test_phases_that_are_all_the_same_are_said(phases):
     # strides of 20 frames, lags of 10: exactly 0.5 in each animal. R's t.test refuses such data
-    # as "essentially constant". Rayleigh's exact p is 0 then; R's circular prints 0.1372, by a series
+    # as "essentially constant". Rayleigh's exact p is 0 then; R's circular: 0.1372, by a series
     found = phase_of_animals(np.array(phases), list(range(len(phases))))
     assert found.note == ALL_THE_SAME
     assert found.low == pytest.approx(found.high)
