@@ -24,6 +24,7 @@ from pawnb.gait.locomotion.body import BodyPoints, find_body
 from pawnb.gait.locomotion.direction import find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
+from pawnb.gait.locomotion.jitter import say_jitter
 from pawnb.gait.locomotion.substrate import find_belt_speed, measure_motion, speed_over_substrate
 from pawnb.gait.locomotion.time_scales import Scales, least_excursions, say_held_still
 from pawnb.gait.strides.stride_table import Motion
@@ -119,7 +120,7 @@ def analyse_space(
     velocity = differentiate(lab, dt=1.0 / fs)
     treadmill = found_body.treadmill
     belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
-    notes += [*say_held_still(feet, turning, settings), *said]
+    notes += [*say_held_still(feet, turning, settings), *say_jitter(feet, raw, extremes), *said]
     motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
     height = _height(feet, up, smooth) if settings.use_height else None
     across = None
