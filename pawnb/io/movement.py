@@ -37,6 +37,7 @@ from pawnb.schema import (
 _PLURAL = {"keypoint": "keypoints", "individual": "individuals"}
 _SINGULAR = {plural: singular for singular, plural in _PLURAL.items()}
 
+_SAME_RATE = 1e-3
 _OFF_FRAME = 0.01
 """Times further than this part of a frame from a whole frame are no frame numbers."""
 
@@ -200,7 +201,8 @@ def from_movement(
         where one was selected), and for several views also view; ``confidence`` where there is
         one.
     fps : float, optional
-        Frames per second, for a dataset that does not say (its time counts frames then).
+        Frames per second. Needed for a dataset that does not say (its time counts frames then);
+        where it says others, as a film that plays slowed down does, its times are brought to these.
     unit : str, optional
         Unit of length that positions in space are brought to; default as the dataset says, which
         movement's own do not: mm then.
@@ -224,7 +226,7 @@ def from_movement(
     Warns
     -----
     InputWarning
-        If positions in space have no unit.
+        If positions in space have no unit, or the dataset says another frame rate than is given.
 
     Examples
     --------
@@ -248,8 +250,9 @@ def from_movement(
         )
     if "origin" in dataset and "frame" in dataset.coords:
         return check_tracks(dataset, where=where)  # Tracks that went through movement
-    rate = _frame_rate(dataset, fps, where)
-    frames = check_frames(_frames(dataset, rate, where), where=where)
+    said = _said_rate(dataset)
+    rate = _frame_rate(said, fps, where)
+    frames = check_frames(_frames(dataset, said or rate, where), where=where)
     every = every_frame(frames)
     views = [str(v) for v in dataset["view"].to_numpy()] if "view" in found else []
     space = [str(s) for s in dataset["space"].to_numpy()]
@@ -340,18 +343,30 @@ def _unit(dataset: xr.Dataset, given: str | None, where: str) -> str:
     return given or said or "mm"
 
 
-def _frame_rate(dataset: xr.Dataset, fps: float | None, where: str) -> float:
-    """Return the frame rate, from the caller or the dataset."""
+def _said_rate(dataset: xr.Dataset) -> float | None:
+    """Return the frame rate that the dataset says."""
     stored = dataset.attrs.get("fps")
-    rate = stored if fps is None else fps
     try:
-        rate = None if rate is None else float(np.asarray(rate).item())
+        rate = None if stored is None else float(np.asarray(stored).item())
     except (TypeError, ValueError):
-        rate = None
+        return None
+    return rate if rate is not None and 0 < rate < np.inf else None
+
+
+def _frame_rate(said: float | None, fps: float | None, where: str) -> float:
+    """Return the frame rate: the caller's, or that which the dataset says."""
+    rate = said if fps is None else fps
     if rate is None or not 0 < rate < np.inf:
         raise InputError(
             f"{where}: no frame rate; give fps, the frames per second of the recording (--fps on "
             "the command line)."
+        )
+    if said is not None and abs(rate - said) > _SAME_RATE * said:
+        warnings.warn(
+            f"{where} says {said:g} frames per second, and fps is given as {rate:g}, which is "
+            "used: all times and speeds follow from it; correct fps where the file is right.",
+            InputWarning,
+            stacklevel=3,
         )
     return rate
 

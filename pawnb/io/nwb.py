@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import json
 import warnings
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -41,6 +42,12 @@ _OFF_FRAME = 0.01
 _OFF_STEP = 0.25
 """Steps of time further than this part of a frame from whole frames are none; clocks jitter."""
 _SAME_RATE = 1e-3
+_DECIMALS_S = 6
+"""Decimals of the seconds in which times of several points are one frame's."""
+_SLOWEST_HZ = 1.0
+"""No gait is filmed at one frame a second: times so far apart count frames."""
+_TRACK, _NO_TRACK = "track=", "untracked"
+"""How sleap-io calls the poses of each of its tracks, and those of none."""
 
 
 def is_nwb(file: h5py.File) -> bool:
@@ -54,18 +61,21 @@ def read_nwb(path: str | Path, *, fps: float | None = None, unit: str | None = N
     Parameters
     ----------
     path : str or Path
-        ``.nwb`` with one ``PoseEstimation`` in a processing module.
+        ``.nwb`` with one ``PoseEstimation`` in a processing module, or one for each of the
+        tracks of a video, as sleap-io writes them.
     fps : float, optional
-        Frames per second; default as its time stamps say.
+        Frames per second; default as its time stamps say. Needed where they are a second or more
+        apart: these count frames, as sleap-io and movement write where they know no rate.
     unit : str, optional
         Unit of length that positions are brought to; default as the file says. Pixels stay pixels.
 
     Returns
     -------
     xarray.Dataset
-        Tracks of the file's subject, points in the order of its skeleton; units as the file says
-        (pixels: px), its ``conversion`` and ``offset`` applied. Where time does not begin with a
-        whole frame, as that of a session's clock, the first row is frame 0.
+        Tracks of the file's subject (of sleap-io: of its tracks), points in the order of its
+        skeleton; a point without a row at the time of others is missing there. Units as the file
+        says (pixels: px), its ``conversion`` and ``offset`` applied. Where time does not begin
+        with a whole frame, as that of a session's clock, the first row is frame 0.
 
     Raises
     ------
@@ -89,47 +99,45 @@ def read_nwb(path: str | Path, *, fps: float | None = None, unit: str | None = N
     """
     where = Path(path).name
     with open_hdf5(path, expected=_EXPECTED) as file:
-        group = _find_pose(file, where)
-        series = {
-            name: item
-            for name, item in group.items()
-            if isinstance(item, h5py.Group) and _kind(item) == _SERIES
-        }
-        if not series:
-            raise InputError(f"{where}: no {_SERIES} in {group.name}; expected {_EXPECTED}.")
-        names = _in_order(list(series), _skeleton_nodes(file, where))
-        data = [_places(series[name], where) for name in names]
-        scores = [
-            read_array(series[name], "confidence", where=where, ndim=1)
-            if "confidence" in series[name]
-            else np.full(len(values), np.nan)
-            for name, values in zip(names, data, strict=True)
-        ]
-        if len({(values.shape, len(s)) for values, s in zip(data, scores, strict=True)}) != 1:
-            raise InputError(f"{where}: points have different numbers of frames or axes.")
-        rate, frames = _times(series[names[0]], len(data[0]), fps, where)
-        said = str(series[names[0]]["data"].attrs.get("unit", "pixels")).strip()
-        subject, notes = _subject(file), _text(file.get("general/notes"))
-        program = _text(group.get("source_software"))
-    if data[0].shape[1] not in (2, 3):
-        raise InputError(f"{where}: points have {data[0].shape[1]} axes; expected 2 or 3.")
-    own, factor = _unit(said, unit, data[0].shape[1], where)
+        poses = _find_poses(file, where)
+        nodes = _skeleton_nodes(file, where)
+        series = [_series_of(group, nodes, where) for group in poses.values()]
+        every = [one for own in series for one in own.values()]
+        values = [_places(one, where) for one in every]
+        scores = [_scores(one, len(v), where) for one, v in zip(every, values, strict=True)]
+        if len({v.shape[1] for v in values}) != 1:
+            raise InputError(f"{where}: points have different numbers of axes.")
+        rate, frames, rows = _times(every, [len(v) for v in values], fps, where)
+        said = str(every[0]["data"].attrs.get("unit", "pixels")).strip()
+        animals = _animals(list(poses), _subject(file))
+        notes = _text(file.get("general/notes"))
+        program = _text(next(iter(poses.values())).get("source_software"))
+    n_axes = values[0].shape[1]
+    if n_axes not in (2, 3):
+        raise InputError(f"{where}: points have {n_axes} axes; expected 2 or 3.")
+    own, factor = _unit(said, unit, n_axes, where)
+    points = list(dict.fromkeys(name for one in series for name in one))
+    place = np.full((len(frames), len(points), len(animals), n_axes), np.nan)
+    score = np.full(place.shape[:-1], np.nan)
+    names = [(points.index(name), k) for k, one in enumerate(series) for name in one]
+    for (point, animal), row, v, s in zip(names, rows, values, scores, strict=True):
+        place[row, point, animal], score[row, point, animal] = factor * v, s
     tracks = build_tracks(
         frames,
-        factor * np.stack(data, axis=1)[:, :, None],
-        np.stack(scores, axis=1).astype(float)[:, :, None],
-        points=[plain_name(name) for name in names],
+        place,
+        score,
+        points=[plain_name(name) for name in points],
         fps=rate,
         unit=own,
         program=program or "NWB",
         where=where,
-        individuals=[subject or "animal"],
+        individuals=animals,
     )
     return _with_notes(tracks, notes)
 
 
-def _find_pose(file: h5py.File, where: str) -> h5py.Group:
-    """Return the one group of poses."""
+def _find_poses(file: h5py.File, where: str) -> dict[str, h5py.Group]:
+    """Return the group of poses, or of each animal that sleap-io keeps in one module."""
     found: list[str] = []
 
     def note(name: str, item: Any) -> None:
@@ -138,12 +146,37 @@ def _find_pose(file: h5py.File, where: str) -> h5py.Group:
 
     if isinstance(file.get("processing"), h5py.Group):
         file["processing"].visititems(note)
-    if len(found) != 1:
+    apart = [name.rpartition("/") for name in found]
+    animals = len({module for module, _, _ in apart}) == 1 and all(
+        name.startswith(_TRACK) for _, _, name in apart
+    )
+    if not found or (len(found) > 1 and not animals):
         raise InputError(
             f"{where}: {len(found)} pose estimations ({', '.join(found) or 'none'}); expected "
-            f"{_EXPECTED}, one a file."
+            f"{_EXPECTED}, those of one view a file."
         )
-    return file["processing"][found[0]]
+    return {name: file["processing"][name] for name in found}
+
+
+def _animals(poses: Sequence[str], subject: str) -> list[str]:
+    """Return the animals' ids: the subject, or the tracks of sleap-io."""
+    names = [name.rpartition("/")[2] for name in poses]
+    tracks = [name.removeprefix(_TRACK) for name in names if name.startswith(_TRACK)]
+    if len(poses) > 1:
+        return tracks
+    return [subject or next((name for name in tracks if name != _NO_TRACK), "animal")]
+
+
+def _series_of(group: h5py.Group, nodes: list[str], where: str) -> dict[str, h5py.Group]:
+    """Return the points of a group of poses, in the order of the skeleton."""
+    series = {
+        name: item
+        for name, item in group.items()
+        if isinstance(item, h5py.Group) and _kind(item) == _SERIES
+    }
+    if not series:
+        raise InputError(f"{where}: no {_SERIES} in {group.name}; expected {_EXPECTED}.")
+    return {name: series[name] for name in _in_order(list(series), nodes)}
 
 
 def _kind(item: h5py.Group) -> str:
@@ -178,6 +211,16 @@ def _places(series: h5py.Group, where: str) -> FloatArray:
     return data * float(told.get("conversion", 1.0)) + float(told.get("offset", 0.0))
 
 
+def _scores(series: h5py.Group, n: int, where: str) -> FloatArray:
+    """Return the confidence of a point in each row, NaN where there is none."""
+    if "confidence" not in series:
+        return np.full(n, np.nan)
+    told = read_array(series, "confidence", where=where, ndim=1).astype(float)
+    if len(told) != n:
+        raise InputError(f"{where}: {series.name} has {n} places and {len(told)} confidences.")
+    return told
+
+
 def _unit(said: str, wanted: str | None, n_axes: int, where: str) -> tuple[str, float]:
     """Return the unit of positions, and by what they are multiplied to be in it."""
     if said.lower() in _PIXELS:
@@ -195,37 +238,64 @@ def _unit(said: str, wanted: str | None, n_axes: int, where: str) -> tuple[str, 
     return wanted or own, 1.0 if wanted is None else units_per_unit(own, wanted, where=where)
 
 
-def _times(series: h5py.Group, n: int, fps: float | None, where: str) -> tuple[float, IntArray]:
-    """Return the frame rate and the number of each frame."""
-    if "timestamps" in series:
-        times = read_array(series, "timestamps", where=where, ndim=1).astype(float)
-        said = _rate_of(np.diff(times))
-    else:
-        start = series.get("starting_time")
-        if not isinstance(start, h5py.Dataset) or start.shape != ():
-            raise InputError(f"{where}: points have no time stamps; expected {_EXPECTED}.")
-        said = float(start.attrs.get("rate", np.nan))
-        times = float(start[()]) + np.arange(n) / (said if said > 0 else fps or np.nan)
-    rate = fps or said
-    if not 0 < rate < np.inf or len(times) != n:
-        raise InputError(f"{where}: no frame rate; give fps, the frames per second.")
-    steps = np.diff(times) * rate
-    counts = np.rint(steps)
-    if not (np.abs(steps - counts) <= _OFF_STEP).all() or (counts < 1).any():
+def _times(
+    series: Sequence[h5py.Group], lengths: Sequence[int], fps: float | None, where: str
+) -> tuple[float, IntArray, list[IntArray]]:
+    """Return the frame rate, the number of each frame, and in which rows each point has a place.
+
+    Points may have rows of their own: sleap-io leaves out where a point was not seen.
+    """
+    stamps = [_stamps(one, n, where) for one, n in zip(series, lengths, strict=True)]
+    own = [np.round(times, _DECIMALS_S) for times, _ in stamps]
+    times = np.unique(np.concatenate(own))
+    told = {rate for _, rate in stamps}
+    fixed = len(told) == 1 and np.isfinite(next(iter(told)))
+    said = next(iter(told)) if fixed else _rate_of(np.diff(times))
+    counted = said <= _SLOWEST_HZ  # then these are numbers of frames, and no seconds
+    rate = fps or (np.nan if counted else said)
+    if counted and fps is None:
         raise InputError(
-            f"{where}: times fall between frames at {rate:g} frames per second, or do not rise; "
+            f"{where}: its time stamps are {1 / said:g} s apart, as sleap-io and movement count "
+            "frames where no frame rate was told; give fps, the frames per second of the recording "
+            "(--fps on the command line)."
+        )
+    if not 0 < rate < np.inf:
+        raise InputError(f"{where}: no frame rate; give fps, the frames per second.")
+    clock = said if counted or fixed else rate
+    steps = np.diff(times) * clock
+    counts = np.rint(steps)
+    falls = any((np.diff(one) <= 0).any() for one in own)
+    if falls or not (np.abs(steps - counts) <= _OFF_STEP).all() or (counts < 1).any():
+        raise InputError(
+            f"{where}: times fall between frames at {clock:g} frames per second, or do not rise; "
             "give the fps of the recording."
         )
-    if fps is not None and said > 0 and abs(fps - said) > _SAME_RATE * said:
+    if fps is not None and not counted and said > 0 and abs(fps - said) > _SAME_RATE * said:
         warnings.warn(
             f"{where} says {said:g} frames per second, and fps is given as {fps:g}, which is used: "
             "all times and speeds follow from it; correct fps where the file is right.",
             InputWarning,
             stacklevel=3,
         )
-    first = times[:1] * rate
+    first = times[:1] * clock
     first = np.where(np.abs(first - np.rint(first)) <= _OFF_FRAME, np.rint(first), 0.0)
-    return rate, np.concatenate([first, first + np.cumsum(counts)]).astype(np.int64)[:n]
+    frames = np.concatenate([first, first + np.cumsum(counts)]).astype(np.int64)[: len(times)]
+    return rate, frames, [np.searchsorted(times, one) for one in own]
+
+
+def _stamps(series: h5py.Group, n: int, where: str) -> tuple[FloatArray, float]:
+    """Return the time of each row of a point, and the rate where the file says one."""
+    if "timestamps" in series:
+        times = read_array(series, "timestamps", where=where, ndim=1).astype(float)
+        if len(times) != n:
+            raise InputError(f"{where}: {series.name} has {n} places and {len(times)} times.")
+        return times, np.nan
+    start = series.get("starting_time")
+    if not isinstance(start, h5py.Dataset) or start.shape != ():
+        raise InputError(f"{where}: points have no time stamps; expected {_EXPECTED}.")
+    rate = float(start.attrs.get("rate", np.nan))
+    rate = rate if rate > 0 else _SLOWEST_HZ
+    return float(start[()]) + np.arange(n) / rate, rate
 
 
 def _rate_of(steps_s: FloatArray) -> float:

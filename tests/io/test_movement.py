@@ -284,3 +284,14 @@ def test_lengths_whose_unit_is_said_are_brought_to_the_one_given():
     in_cm = from_movement(dataset)["position"]
     assert np.isfinite(in_cm).any()
     np.testing.assert_allclose(tracks["position"], 10.0 * in_cm)
+
+
+def test_the_rate_that_is_given_goes_before_that_of_a_film_that_plays_slowed_down():
+    # filmed with 250 frames a second, kept by movement with the 25 or 24 of its video
+    for said in (25.0, 24.0):
+        slow = bare(time=np.arange(4) / said, fps=said)
+        with pytest.warns(InputWarning, match=f"says {said:g} frames .* fps is given as 250"):
+            tracks = from_movement(slow, fps=250.0, where="d")
+        assert tracks["frame"].to_numpy().tolist() == [0, 1, 2, 3]
+        assert tracks["time"].to_numpy().tolist() == [0.0, 0.004, 0.008, 0.012]
+        assert tracks["position"].to_numpy()[:, 0].ravel().tolist() == [0.0, 1.0, 2.0, 3.0]

@@ -15,7 +15,7 @@ PLACE = np.random.default_rng(2).uniform(1.0, 90.0, (6, 3))
 TIMES_S = np.arange(6) / 100.0
 
 
-def write(path, *, place=PLACE, times=TIMES_S, start=None, **told):
+def write(path, *, place=PLACE, times=TIMES_S, start=None, rate=100.0, **told):
     """The layout of ndx-pose: one point, attributes of its data as told."""
     with h5py.File(path, "w") as file:
         file.attrs["nwb_version"] = "2.8.0"
@@ -29,7 +29,7 @@ def write(path, *, place=PLACE, times=TIMES_S, start=None, **told):
             series["timestamps"] = times
         else:
             series["starting_time"] = start
-            series["starting_time"].attrs["rate"] = 100.0
+            series["starting_time"].attrs["rate"] = rate
     return path
 
 
@@ -106,3 +106,65 @@ def test_the_program_behind_the_file_is_kept(tmp_path, said, program, least):
     tracks = read_nwb(tmp_path / "m.nwb")
     assert tracks.attrs["source_software"] == program
     assert least_confidence(tracks, None) == least
+
+
+@pytest.mark.parametrize("told", [{"start": 0.0, "rate": 1.0}, {"times": np.arange(6.0)}])
+def test_times_a_second_apart_count_frames(tmp_path, told):
+    # movement 0.15: save_poses.to_nwb_file of a dataset without fps writes rate=1.0
+    path = write(tmp_path / "m.nwb", unit="mm", **told)
+    with pytest.raises(InputError, match=r"time stamps are 1 s apart, as sleap-io .* give fps"):
+        read_nwb(path)
+    tracks = read_nwb(path, fps=200.0)
+    assert tracks["frame"].to_numpy().tolist() == [0, 1, 2, 3, 4, 5]
+    assert tracks.attrs["fps"] == 200.0
+
+
+def test_a_rate_that_is_said_counts_the_frames_also_where_another_one_is_right(tmp_path):
+    # a film at 250 frames a second that plays with 30
+    path = write(tmp_path / "m.nwb", unit="mm", start=0.0, rate=30.0)
+    with pytest.warns(InputWarning, match="says 30 frames per second, and fps is given as 250"):
+        tracks = read_nwb(path, fps=250.0)
+    assert tracks["frame"].to_numpy().tolist() == [0, 1, 2, 3, 4, 5]
+    np.testing.assert_allclose(tracks["position"].to_numpy()[:, :, 0, 0], PLACE)
+
+
+@pytest.mark.filterwarnings("ignore")  # of the libraries
+@pytest.mark.parametrize("animals", [0, 1, 2])
+def test_predictions_that_sleap_io_wrote(tmp_path, animals):
+    """It leaves out the rows in which a point was not seen, and has poses for each track."""
+    sio = pytest.importorskip("sleap_io")
+    pytest.importorskip("ndx_pose")
+    names = ["FR", "HR", "snout"]
+    places = np.random.default_rng(4).uniform(5.0, 90.0, (8, 3, 2))
+    places[3:5, 1] = np.nan  # in the middle: its times are stamps, those of the others a rate
+    places[0, 2] = np.nan
+    skeleton = sio.Skeleton(nodes=list(names), name="mouse")
+    shape = {"backend_metadata": {"shape": (8, 100, 100, 1)}}
+    video = sio.Video(filename="clip.mp4", **shape)
+    tracks = [sio.Track(f"m{k}") for k in range(animals)]
+    labels = sio.Labels(
+        [
+            sio.LabeledFrame(
+                video=video,
+                frame_idx=i,
+                instances=[
+                    sio.PredictedInstance.from_numpy(
+                        row + k, skeleton=skeleton, point_scores=np.full(3, 0.5 + 0.01 * i),
+                        score=0.9, track=track,
+                    )
+                    for k, track in enumerate(tracks or [None])
+                ],
+            )
+            for i, row in enumerate(places)
+        ]
+    )  # fmt: skip
+    sio.save_nwb(labels, str(tmp_path / "clip.nwb"), nwb_format="predictions")
+    read = read_any_tracks(tmp_path / "clip.nwb", fps=250.0)
+    assert read["keypoint"].to_numpy().tolist() == names
+    assert read["individual"].to_numpy().tolist() == ([t.name for t in tracks] or ["animal"])
+    for k in range(animals or 1):
+        own = read["position"].isel(individual=k).transpose("time", "keypoint", "space")
+        np.testing.assert_allclose(own.to_numpy(), places + k)
+    seen = np.isfinite(places[..., 0])
+    said = np.where(seen, 0.5 + 0.01 * np.arange(8)[:, None], 0.0)
+    np.testing.assert_allclose(read["confidence"].isel(individual=0).to_numpy(), said)
