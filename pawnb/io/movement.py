@@ -250,9 +250,9 @@ def from_movement(
         )
     if "origin" in dataset and "frame" in dataset.coords:
         return check_tracks(dataset, where=where)  # Tracks that went through movement
-    said = _said_rate(dataset)
-    rate = _frame_rate(said, fps, where)
-    frames = check_frames(_frames(dataset, said or rate, where), where=where)
+    own_rate = _said_rate(dataset)
+    rate = _frame_rate(own_rate, fps, where)
+    frames = check_frames(_frames(dataset, own_rate or rate, where), where=where)
     every = every_frame(frames)
     views = [str(v) for v in dataset["view"].to_numpy()] if "view" in found else []
     space = [str(s) for s in dataset["space"].to_numpy()]
