@@ -73,6 +73,8 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
             warnings.simplefilter("ignore")
             reader = c3d.Reader(io.BytesIO(data))
             points = _labels(reader)
+            # analog channels are not wanted, and c3d cannot read the scale of a single one
+            reader.get_analog_transform = lambda: (1.0, 0.0)
             rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
             rate = float(reader.point_rate)
             said = reader.get("POINT:UNITS")

@@ -30,12 +30,15 @@ def need(module: str, extra: str, *, what: str) -> ModuleType:
     InputError
         If it is not installed.
     """
+    found = None
     try:
-        return importlib.import_module(module)
+        found = importlib.import_module(module)
     except ModuleNotFoundError as error:
         if error.name is None or error.name.split(".")[0] != module.split(".")[0]:
             raise  # it is there, but not what it needs
+    if found is None or found.__file__ is None:  # no file: a folder of that name beside a notebook
         raise InputError(
             f"{module} is needed {what} and is not installed; install it with "
             f'python -m pip install "pawnb[{extra}]".'
-        ) from None
+        )
+    return found

@@ -49,3 +49,24 @@ def test_a_subject_before_the_labels_is_the_animal(tmp_path):
     tracks = read_c3d(clip(tmp_path / "clip.c3d", points=("m1:FR", "m1:HR")))
     assert tracks["keypoint"].to_numpy().tolist() == ["FR", "HR"]
     assert tracks["individual"].to_numpy().tolist() == ["m1"]
+
+
+def test_a_file_with_one_analog_channel(tmp_path):
+    # ezc3d 1.7.2 writes OFFSET and SCALE of a single channel, such as a trigger, as plain numbers
+    import c3d
+
+    writer = c3d.Writer(point_rate=200.0, analog_rate=400.0, point_scale=-1.0)
+    writer.set_point_labels(["FR", "HR"])
+    writer.set_analog_labels(["trigger"])
+    row = np.array([[1.5, 2.5, 3.5, 0.0, 0.0], [4.5, 5.5, 6.5, 0.0, 0.0]])
+    writer.add_frames([(row, np.zeros((1, 2)))] * 3)
+    for name, kind, value in (("OFFSET", "<h", 0), ("SCALE", "<f", 1.0)):
+        size = np.dtype(kind).itemsize
+        writer.analog_group.add(name, "of the one channel", size, kind, value)
+    writer.get_analog_transform = lambda: (1.0, 0.0)  # which cannot write it either
+    with warnings.catch_warnings(), (tmp_path / "clip.c3d").open("wb") as file:
+        warnings.simplefilter("ignore")
+        writer.write(file)
+    place = read_c3d(tmp_path / "clip.c3d")["position"]
+    own = place.isel(individual=0).transpose("time", "keypoint", "space").to_numpy()
+    np.testing.assert_allclose(own, [row[:, :3]] * 3)
