@@ -163,7 +163,8 @@ def _build(
     if not {len(name) for name in columns} <= {3, 4} or len(set(map(len, columns))) != 1:
         raise InputError(
             f"{where}: columns have {len(columns[0])} levels; expected scorer, (individuals,) "
-            "bodyparts, coords."
+            "bodyparts, coords. Of another program: write its points as csv with frame and "
+            "<point>_x, <point>_y (and _z) of each."
         )
     named = [(c[1] if len(c) == 4 else ONE, c[-2], c[-1]) for c in columns]
     kept = [i for i, name in enumerate(named) if not _OF_SMOOTHER.fullmatch(name[2])]
@@ -214,11 +215,35 @@ def program_of(scorer: str) -> str:
     return "Lightning Pose" if _LIGHTNING_POSE.fullmatch(scorer) else DEEPLABCUT
 
 
+def dataframe_of(file: h5py.File) -> h5py.Group | None:
+    """Return where the table of an open file lies.
+
+    Parameters
+    ----------
+    file : h5py.File
+        The file.
+
+    Returns
+    -------
+    h5py.Group or None
+        DeepLabCut's own, else the only table whose columns have levels, by whatever name a script
+        kept it; None where there is none, or several.
+    """
+    tables = {
+        name: item
+        for name, item in file.items()
+        if isinstance(item, h5py.Group) and "pandas_type" in item.attrs
+    }
+    named = next((tables[name] for name in (GROUP, LABELS_GROUP) if name in tables), None)
+    others = [item for item in tables.values() if "axis0_level0" in item or "table" in item]
+    return others[0] if named is None and len(others) == 1 else named
+
+
 def _read_h5(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], FloatArray]:
     """Return frames (of labels: names of rows), columns and numbers of an h5."""
     with open_hdf5(path, expected=_EXPECTED) as file:
-        group = next((file[name] for name in (GROUP, LABELS_GROUP) if name in file), None)
-        if not isinstance(group, h5py.Group):
+        group = dataframe_of(file)
+        if group is None:
             raise InputError(f"{path.name}: no {GROUP} in it; expected {_EXPECTED}.")
         index, columns, values = read_pandas_frame(group, where=path.name)
     if isinstance(index, list) is not labels:

@@ -10,7 +10,7 @@ from pawnb.errors import InputError
 from pawnb.io.format_table import FORMATS, TABLE, WRITTEN, Format, find_entry
 from pawnb.io.outgoing import has_space, views_of
 from pawnb.io.recognise import find_format
-from pawnb.io.unread import say_unread
+from pawnb.io.unread import say_found, say_unread
 from pawnb.schema import Tracks, check_fps
 
 __all__ = [
@@ -57,13 +57,13 @@ def recognise_format(path: str | Path) -> str:
     if found is None:
         if (told := say_unread(path)) is not None:
             raise InputError(f"{path.name}: {told}.")
+        said = say_found(path)
         raise InputError(
-            f"{path.name}: not tracks that are read here; expected tracks.nc, tracks.csv, "
-            "points3d.csv, or a file of DeepLabCut, Lightning Pose (.csv, .h5), SLEAP (.slp, .h5, "
-            ".csv), Anipose (.csv), DLTdv, Argus (xypts.csv, xyzpts.csv), movement (.nc), NWB, "
-            "C3D, OpenSim (.trc), Qualisys (.tsv), Vicon (.csv) or LocoMouse (.mat), or a csv with "
-            "frame and <point>_x, <point>_y (and _z) of "
-            "every point."
+            f"{path.name}: not tracks that are read here{said and f' ({said})'}; expected "
+            "tracks.nc, tracks.csv, points3d.csv, or a file of DeepLabCut, Lightning Pose (.csv, "
+            ".h5), SLEAP (.slp, .h5, .csv), Anipose (.csv), DLTdv, Argus (xypts.csv, xyzpts.csv), "
+            "movement (.nc), NWB, C3D, OpenSim (.trc), Qualisys (.tsv), Vicon (.csv) or LocoMouse "
+            "(.mat), or a csv with frame and <point>_x, <point>_y (and _z) of every point."
         )
     return found
 

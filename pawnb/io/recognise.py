@@ -12,13 +12,14 @@ from pawnb.errors import InputError
 from pawnb.files import check_file
 from pawnb.io import argus
 from pawnb.io.authors2019 import HEADER_LINES
-from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, LABELS_GROUP, program_of
+from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, dataframe_of, program_of
 from pawnb.io.dltdv import sparse_kind
 from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.motion_capture import motion_capture_format
 from pawnb.io.nwb import is_nwb
 from pawnb.io.separators import header_lines, separator_of
 from pawnb.io.tables import read_column_names
+from pawnb.io.unread import tell_folder
 from pawnb.io.wide import is_wide_table
 
 _ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
@@ -46,6 +47,7 @@ def find_format(path: str | Path) -> str | None:
     InputError
         If there is no such file, it is empty, damaged HDF5, or text in UTF-16.
     """
+    tell_folder(Path(path))
     path = check_file(path, expected=_EXPECTED)
     try:
         with path.open("rb") as file:
@@ -73,9 +75,8 @@ def _find_in_hdf5(path: Path) -> str | None:
     """Tell files of HDF5 apart by the names inside."""
     with open_hdf5(path, expected="tracks in HDF5 or netCDF") as file:
         names = set(file)
-        for group in (GROUP, LABELS_GROUP):
-            if isinstance(file.get(group), h5py.Group) and "pandas_type" in file[group].attrs:
-                return "collected" if _rows_have_names(file[group]) else "deeplabcut"
+        if (table := dataframe_of(file)) is not None:
+            return "collected" if _rows_have_names(table) else "deeplabcut"
         if GROUP in names:
             return "deeplabcut"
         if {"instances", "metadata", "frames"} <= names or {"tracks", "node_names"} <= names:
@@ -156,6 +157,7 @@ def _find_dltdv(names: list[str]) -> str | None:
         return None  # of TrackMate, with POSITION_X
     if any(_DLTDV_IMAGE.fullmatch(name) for name in names):
         return "dltdv"
-    if sum(bool(_DLTDV_SPACE.fullmatch(name)) for name in names) >= 3:
+    space = [name for name in names if _DLTDV_SPACE.fullmatch(name)]
+    if len(space) >= 3 and any(name.endswith("_Z") for name in space):
         return "dltdv-3d"
     return None

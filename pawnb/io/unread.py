@@ -9,15 +9,19 @@ import h5py
 
 from pawnb.errors import InputError
 from pawnb.io.hdf5 import open_hdf5
+from pawnb.io.tables import read_column_names
+from pawnb.io.wide import has_points
 
 _HEAD_BYTES = 2**16
-AS_TABLE = "write its points as csv with frame and <point>_x, <point>_y (and _z) of each"
+_COLUMNS = "frame and <point>_x, <point>_y (and _z) of each"
+AS_TABLE = f"write its points as csv with {_COLUMNS}"
 """The way that is open from any program."""
 _BY_SLEAP_IO = "make a .slp of it by sleap-io: sio convert FILE -o clip.slp --from "
 _ONE_POINT = (
     "it holds one point of each animal, and gait needs its feet: track them, in pawnb or elsewhere"
 )
 
+_BY_PANDAS = 'save it as csv by pandas: pandas.read_{}(FILE).to_csv("points.csv"), with columns '
 _BY_BYTES = (
     (b"PK\x03\x04", rb"xl/|mimetypeapplication/vnd\.oasis", "a spreadsheet",
      "save the sheet that has the points as csv"),
@@ -26,6 +30,9 @@ _BY_BYTES = (
     (b"\xd0\xcf\x11\xe0", rb"", "an old spreadsheet (.xls)", "save the sheet as csv"),
     (b"\x80", rb"", "a pickle of Python, which may run programs when it is read", AS_TABLE),
     (b"MATLAB 7.3", rb"", "a .mat of MATLAB 7.3, as DANNCE and others write", AS_TABLE),
+    (b"PK\x03\x04", rb"", "a zip archive", "unpack it, and name the file of tracks that is in it"),
+    (b"PAR1", rb"", "a table in Parquet", _BY_PANDAS.format("parquet") + _COLUMNS),
+    (b"ARROW1", rb"", "a table in Feather", _BY_PANDAS.format("feather") + _COLUMNS),
 )  # fmt: skip
 """What a file begins with, what else is near its beginning, what it is, and the way out."""
 
@@ -49,7 +56,17 @@ _BY_TEXT = (
     (r"^frame_idx,node,x,y|^frame_idx,inst\d+\.", "a csv of sleap-io laid out by points or frames",
      'save it anew with format="sleap", or by sio convert FILE -o clip.slp --from csv'),
     (r"^\W*time\W*,\W*x1\W*,\W*y1\b", "trajectories of idtracker.ai", _ONE_POINT),
-    (r"^\s*[{\[]", "a text in JSON", AS_TABLE),
+    (r"^[^\n]*Track n.{1,2}[,\t]Slice n", "points of ImageJ's Manual Tracking",
+     f"{AS_TABLE}; its slices count from 1, frames from 0"),
+    (r"X#wcentroid|^[^\n]*\bposeX0\b", "a table of TRex",
+     f"{AS_TABLE}; poseX0, poseY0, ... are its points"),
+    (r"^[^\n]*\bsyllable\b", "results of keypoint-moseq",
+     "name the tracks that they were made from"),
+    (r"B-SOiD labels", "behaviours of B-SOiD", "name the tracks that they were made from"),
+    (r'\A\s*\{\s*"trajectories"', "trajectories of idtracker.ai", _ONE_POINT),
+    (r"\A\s*(#[^\n]*\s+)*\[[^\],]+\]\s*\n\s*[\w\"]+\s*=", "a text in TOML",
+     "name tracks; cameras go below [calibration] of a trial.toml"),
+    (r"\A\s*[{\[]", "a text in JSON", AS_TABLE),
     (r"^\s*<\?xml", "a text in XML", AS_TABLE),
 )  # fmt: skip
 """Patterns at the beginning of a text, the first that fits, what it is, and the way out."""
@@ -82,6 +99,62 @@ def say_unread(path: Path) -> str | None:
     return None
 
 
+def say_found(path: Path) -> str:
+    """Say what is in a file that no program is known by.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    str
+        Such as ``"its columns are time, FR[0], FR[1], ..."``; empty where there is nothing to say.
+    """
+    with path.open("rb") as file:
+        head = file.read(_HEAD_BYTES)
+    if head.startswith(b"\x89HDF"):
+        with open_hdf5(path, expected="tracks in HDF5") as inside:
+            return f"it holds {_some(sorted(inside))}"
+    line = head.partition(b"\n")[0]
+    try:
+        line.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return "its first line is not text in UTF-8; save it as UTF-8"
+    names = read_column_names(path, expected="tracks")
+    if "\0" in line.decode("utf-8-sig") or len(names) < 2:
+        return ""
+    said = f"its columns are {_some([name or '(no name)' for name in names])}"
+    return f"{said}: add a column frame that counts from 0" if has_points(names) else said
+
+
+def _some(names: list[str], most: int = 6) -> str:
+    """Return the first of some names."""
+    more = ", ..." if len(names) > most else ""
+    return ", ".join(name[:30] for name in names[:most]) + more
+
+
+def tell_folder(path: Path) -> None:
+    """Refuse a folder that is one of Zarr, with the way out.
+
+    Parameters
+    ----------
+    path : Path
+        What was named.
+
+    Raises
+    ------
+    InputError
+        If it is one.
+    """
+    if any((path / name).exists() for name in ("zarr.json", ".zgroup", ".zmetadata")):
+        raise InputError(
+            f"{path}: a folder of Zarr, not read here; save it as netCDF: "
+            'xarray.open_zarr(FOLDER).to_netcdf("poses.nc").'
+        )
+
+
 def _not_read(what: str, way: str) -> str:
     """Say both."""
     return f"{what}, not read here; {way}"
@@ -92,9 +165,13 @@ def _say_hdf5(path: Path) -> str | None:
     try:
         with open_hdf5(path, expected="tracks in HDF5") as file:
             names = set(file)
-            inside = {n for item in file.values() if isinstance(item, h5py.Group) for n in item}
+            groups = {n: item for n, item in file.items() if isinstance(item, h5py.Group)}
+            inside = {name for item in groups.values() for name in item}
+            tables = [name for name, item in groups.items() if "pandas_type" in item.attrs]
     except InputError:
         return None
+    if tables:
+        return _not_read(f"tables of pandas ({_some(tables)})", _BY_PANDAS.format("hdf") + _COLUMNS)
     if "poseest" in names:
         return _not_read("poses of JABS", f"{_BY_SLEAP_IO}jabs")
     if "trajectories" in names:

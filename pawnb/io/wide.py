@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,15 +11,19 @@ import numpy as np
 import pandas as pd
 
 from pawnb.arrays import FloatArray
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers, write_text
 from pawnb.schema import Tracks, check_columns
 
 _COLUMN = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
-_CONFIDENCE = ("likelihood", "confidence", "score", "p")
-"""What is called so behind a point is its confidence; SimBA calls it p."""
+_CONFIDENCE = ("likelihood", "confidence", "score", "visibility", "p")
+"""What is called so behind a point is its confidence; SimBA calls it p, MediaPipe visibility."""
+_SPELT = re.compile(rf"(?P<point>.+)[_. ](?P<what>[xyz]|{'|'.join(_CONFIDENCE)})", re.IGNORECASE)
+_FRAME = re.compile(r"frames?([_ ]?(idx|index|number|num|no\.?))?", re.IGNORECASE)
+_SEVERAL = re.compile(r"inst\d+\..+|TRACK_ID")
+"""Columns of sleap-io and TrackMate that hold several animals."""
 _INDEX = "Unnamed: 0"
 """Column without a name, as pandas writes the numbers of the rows, and SimBA those of frames."""
 
@@ -36,10 +41,45 @@ def is_wide_table(names: Sequence[str]) -> bool:
     bool
         True for ``frame`` (or a first column without a name) and at least one point with x and y.
     """
+    return has_points(names) and ("frame" in _respelt(names) or list(names[:1]) == [""])
+
+
+def has_points(names: Sequence[str]) -> bool:
+    """Say whether columns are those of at least one point with x and y, whatever the others.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Columns.
+
+    Returns
+    -------
+    bool
+        True where there is one. Those of sleap-io and TrackMate for several animals are none.
+    """
+    if any(_SEVERAL.fullmatch(name) for name in names):
+        return False
+    return _is_point_there(_respelt(names))
+
+
+def _is_point_there(names: Sequence[str]) -> bool:
+    """Say whether a point has x and y among columns spelt as pawnb does."""
     points = {m["point"] for name in names if (m := _COLUMN.fullmatch(name))}
-    return ("frame" in names or list(names[:1]) == [""]) and any(
-        {f"{p}_x", f"{p}_y"} <= set(names) for p in points
-    )
+    return any({f"{p}_x", f"{p}_y"} <= set(names) for p in points)
+
+
+def _respelt(names: Sequence[str]) -> list[str]:
+    """Return columns as pawnb spells them: Frame is frame, and, where no point is, FR.X is FR_x."""
+    new = list(names)
+    if "frame" not in new and (at := [i for i, name in enumerate(new) if _FRAME.fullmatch(name)]):
+        new[at[0]] = "frame"
+    if _is_point_there(new):
+        return new
+    found = [_SPELT.fullmatch(name) for name in new]
+    return [
+        f"{m['point']}_{m['what'].lower()}" if m else name
+        for m, name in zip(found, new, strict=True)
+    ]
 
 
 def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) -> Tracks:
@@ -49,9 +89,11 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     ----------
     path : str or Path
         A csv with columns ``frame`` and ``<point>_x, <point>_y``, in space also ``<point>_z``;
-        an empty cell is a point that was not seen. A first column without a name is ``frame``,
-        as SimBA and pandas write it; ``<point>_likelihood``, ``_confidence``, ``_score`` or
-        ``_p`` is the confidence. Other columns are left out.
+        an empty cell is a point that was not seen. Capital letters, and a point or blank in place
+        of the ``_``, are understood, and so are ``frame_idx`` and the like. A first column
+        without a name is ``frame``, as SimBA and pandas write it; ``<point>_likelihood``,
+        ``_confidence``, ``_score``, ``_visibility`` or ``_p`` is the confidence. Other columns are
+        left out.
     fps : float
         Frames per second of the recording.
     unit : str, optional
@@ -69,6 +111,11 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
         If the file is missing or of another layout, a point lacks a column, or frames do not
         rise.
 
+    Warns
+    -----
+    InputWarning
+        If all places lie between 0 and 1, as parts of a picture do.
+
     Examples
     --------
     >>> table = pd.DataFrame({"frame": [0, 1], "FR_x": [10.0, 11.0], "FR_y": [4.0, 4.0]})
@@ -77,7 +124,7 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     ['FR']
     """
     where = Path(path).name
-    cells = read_cells(path, ())
+    cells = _in_our_spelling(read_cells(path, ()), where)
     if "frame" not in cells and next(iter(cells), None) == _INDEX:
         cells = cells.rename(columns={_INDEX: "frame"})
     cells = check_columns(cells, ("frame",), where=where)
@@ -99,9 +146,11 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
         for point in points
         for axis in axes
     ]
+    place = np.column_stack(columns).reshape(len(cells), len(points), 1, len(axes))
+    _tell_parts(place, where)
     return build_tracks(
         read_numbers(cells, "frame", where=where, whole=True),
-        np.column_stack(columns).reshape(len(cells), len(points), 1, len(axes)),
+        place,
         _confidence(cells, points, where=where),
         points=points,
         fps=fps,
@@ -109,6 +158,32 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
         program="table",
         where=where,
     )
+
+
+def _in_our_spelling(cells: pd.DataFrame, where: str) -> pd.DataFrame:
+    """Return a table whose columns are spelt as pawnb does."""
+    names = _respelt([str(name) for name in cells])
+    twice = next((i for i, name in enumerate(names) if name in names[:i]), None)
+    if twice is not None:
+        first = cells.columns[names.index(names[twice])]
+        raise InputError(
+            f"{where}: columns {first!r} and {cells.columns[twice]!r} mean the same, "
+            f"{names[twice]!r}; keep one of them, or name them differently."
+        )
+    return cells.set_axis(names, axis="columns")
+
+
+def _tell_parts(place: FloatArray, where: str) -> None:
+    """Warn of places in a plane that are parts of a picture's width and height."""
+    seen = place[np.isfinite(place)]
+    if place.shape[-1] == 2 and seen.size and seen.min() >= 0 and 0 < seen.max() <= 1:
+        warnings.warn(
+            f"{where}: all places lie between 0 and 1, as MediaPipe writes parts of the picture's "
+            "width and height: angles and lengths are wrong then; multiply x by the width and y by "
+            "the height in px.",
+            InputWarning,
+            stacklevel=3,
+        )
 
 
 def _confidence(cells: pd.DataFrame, points: Sequence[str], *, where: str) -> FloatArray | None:

@@ -4,11 +4,13 @@ import zipfile
 
 import h5py
 import numpy as np
+import pandas as pd
 import pytest
 from scipy.io import savemat
 
 from pawnb.errors import InputError
 from pawnb.io import read_any_tracks, recognise_format
+from pawnb.workflow.gait.sources import read_source
 
 # the beginnings of files as these programs write them
 TEXTS = {
@@ -29,6 +31,13 @@ TEXTS = {
     "ik.mot": ("Coordinates\nversion=1\nnRows=2\ninDegrees=yes\nendheader\ntime\n", "trc"),
     "points.csv": ("frame_idx,node,x,y,track\n0,FR,1,2,m1\n", 'format="sleap"'),
     "frames.csv": ("frame_idx,inst0.track,inst0.FR.x,inst0.FR.y\n0,m1,1,2\n", 'format="sleap"'),
+    # idtracker.ai 6, TRex 1.9, ImageJ 1.54, keypoint-moseq 0.4, B-SOiD 1.5.1, aniposelib 0.8
+    "idtracker.json": ('{"trajectories": [[[1.0, 2.0]]]}', "idtracker.ai.* needs its feet"),
+    "fish0.csv": ("frame,time,X#wcentroid (cm),Y#wcentroid (cm),poseX0\n0,0,1,2,3\n", "TRex"),
+    "hand.csv": (" ,Track n°,Slice n°,X,Y,Distance\n1,1,1,5,6,-1\n", "ImageJ.* count from 1"),
+    "moseq.csv": ("syllable,centroid x,centroid y,heading\n0,1,1,0\n", "keypoint-moseq.*tracks"),
+    "bsoid.csv": (",B-SOiD labels\n0,0\n", "B-SOiD.*name the tracks"),
+    "calibration.toml": ('[cam_0]\nname = "cam0"\nsize = [ 800, 600,]\n', "TOML.*calibration"),
     "idtracker.csv": ("time,x1,y1,x2,y2\n0.0,1,2,3,4\n", "idtracker.ai.* needs its feet"),
 }
 
@@ -75,3 +84,55 @@ def test_a_mat_of_another_program_is_told_the_way(tmp_path):
     savemat(tmp_path / "save_data_AVG.mat", {"pred": np.zeros((3, 1, 3, 6))})  # of DANNCE
     with pytest.raises(InputError, match=r"no final_tracks in it; .*DANNCE .*write its points as"):
         read_any_tracks(tmp_path / "save_data_AVG.mat", fps=100.0)
+
+
+def test_tables_of_binary_kinds_say_how_they_become_csv(tmp_path):
+    for name, begin, by in (("a.parquet", b"PAR1", "parquet"), ("a.feather", b"ARROW1", "feather")):
+        (tmp_path / name).write_bytes(begin + b"\0" * 20)
+        with pytest.raises(InputError, match=rf"not read here; .*pandas.read_{by}\(FILE\)"):
+            recognise_format(tmp_path / name)
+    with zipfile.ZipFile(tmp_path / "ktk.zip", "w") as file:
+        file.writestr("data.json", "{}")
+    with pytest.raises(InputError, match="a zip archive, not read here; unpack it"):
+        recognise_format(tmp_path / "ktk.zip")
+
+
+def test_a_folder_of_zarr_is_named(tmp_path):
+    (tmp_path / "poses.zarr").mkdir()
+    (tmp_path / "poses.zarr" / "zarr.json").write_text("{}")  # zarr 3; .zgroup before
+    for read in (recognise_format, read_source):
+        with pytest.raises(InputError, match=r"Zarr, not read here; .*to_netcdf"):
+            read(tmp_path / "poses.zarr")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time,knee,hip\n0,1,2\n", r"\(its columns are time, knee, hip\)"),
+        ("time,FR_x,FR_y\n0,1,2\n", "time, FR_x, FR_y: add a column frame that counts from 0"),
+        ("frame,左前足_x,左前足_y\n0,1,2\n".encode("gbk"), "not text in UTF-8; save it as UTF-8"),
+    ],
+)
+def test_what_was_found_is_said_where_no_program_is_known(tmp_path, text, said):
+    path = tmp_path / "points.csv"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(InputError, match=f"not tracks that are read here .*{said}"):
+        recognise_format(path)
+
+
+def test_tables_of_pandas_by_other_names(tmp_path):
+    """pandas 3.1: a table of DeepLabCut's is one under any key; a plain one is named."""
+    pytest.importorskip("tables")
+    columns = pd.MultiIndex.from_product(
+        [["DLC"], ["FR", "HR"], ["x", "y", "likelihood"]], names=["scorer", "bodyparts", "coords"]
+    )
+    table = pd.DataFrame(np.arange(12.0).reshape(2, 6), columns=columns)
+    for layout in ("fixed", "table"):
+        path = tmp_path / f"{layout}.h5"
+        table.to_hdf(path, key="tracks_of_m1", format=layout)
+        assert recognise_format(path) == "deeplabcut"
+        read = read_any_tracks(path, fps=100.0)
+        assert read["position"].sel(keypoint="HR").to_numpy().ravel().tolist() == [3, 4, 9, 10]
+    pd.DataFrame({"frame": [0], "FR_x": [1.0]}).to_hdf(tmp_path / "plain.h5", key="df")
+    with pytest.raises(InputError, match=r"tables of pandas \(df\), not read here; .*read_hdf"):
+        recognise_format(tmp_path / "plain.h5")

@@ -17,6 +17,7 @@ from pawnb.files import check_file
 from pawnb.gait import GaitTables
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
+from pawnb.io.unread import tell_folder
 from pawnb.schema import Tracks
 from pawnb.trial import Animal, Trial, load_trial
 from pawnb.workflow.conversion.foreign_tracks import files_of_tracks, read_foreign_tracks
@@ -193,6 +194,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
     path = Path(path)
     check_rate(fps)
     if path.is_dir():
+        tell_folder(path)
         need_sources(path)
         for name in ("trial.toml", "tracks.nc", "events.csv"):
             if (path / name).exists():
