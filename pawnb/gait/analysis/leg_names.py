@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import as_word
 from pawnb.gait.analysis.leg_words import in_english, split_name
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import Tracks
@@ -245,11 +246,12 @@ def choose_legs(
     else:
         named = guess_legs(points)
     if not named:
-        leg, like = _example(points)
+        examples = _examples(points)
+        typed = " ".join(f"{leg}={as_word(point)}" for leg, point in examples.items())
         raise InputError(
             f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
-            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'{leg}': {like!r}}} or "
-            f"on the command line --legs {leg}={like!r}."
+            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={examples} or on the "
+            f"command line --legs {typed}."
         )
     for leg, point in named.items():
         if point not in points:
@@ -299,15 +301,21 @@ def notes_on_legs(points: Iterable[str], named: Mapping[str, str]) -> list[str]:
     return notes
 
 
-def _example(points: Sequence[str]) -> tuple[str, str]:
-    """Return a leg and a point that may be its foot, as the example of how to name one."""
+def _examples(points: Sequence[str]) -> dict[str, str]:
+    """Return a leg and a point that may be its foot, and that of the other side if there is one."""
     no_feet = {*_NO_LEGS, *_FRONT, *_REAR}
-    for point in [*overlooked_points(points, {}), *reversed(points)]:
-        words = split_name(in_english([point])[point])
-        if not no_feet & set(words):
-            ranks = [_read_word(word, {})[1] for word in words]
-            return ("FR" if "F" in ranks else "HR"), point
-    return "HR", points[-1]
+    words = {point: split_name(name) for point, name in in_english(points).items()}
+    likely = [*overlooked_points(points, {}), *reversed(points)]
+    foot = next((point for point in likely if not no_feet & set(words[point])), points[-1])
+    other = {"left": "right", "right": "left", "l": "r", "r": "l"}
+    mirrored = [other.get(word, word) for word in words[foot]]
+    feet = [foot, *(point for point in points if point != foot and words[point] == mirrored)][:2]
+    found = {}
+    for point in feet:
+        ranks = [_read_word(word, {})[1] for word in words[point]]
+        side = next((_SIDE_WORDS[word] for word in words[point] if word in _SIDE_WORDS), "R")
+        found[("F" if "F" in ranks else "H") + side] = point
+    return found
 
 
 def _leg_name(side: str, rank: str, *, six: bool) -> str:

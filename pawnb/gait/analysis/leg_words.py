@@ -1,7 +1,8 @@
 """Names of points in other words, put into those that legs are guessed from.
 
 Read are German, French and Spanish, near and off sides of horses, words that are written together,
-and letters of sides and places, which mean something only where those of all four legs are there.
+the signs of Chinese and Japanese, and letters of sides and places and Roman numbers, which mean
+something only where those of other legs are there.
 """
 
 from __future__ import annotations
@@ -39,6 +40,15 @@ _LETTERS = (
 """Letters of the front left, front right, hind left and hind right leg."""
 _LETTERS_IN_ENGLISH = ("fl", "fr", "hl", "hr")
 
+_SIGNS = str.maketrans(
+    {"左": " left ", "右": " right ", "前": " front ", "中": " mid ", "后": " hind ",
+     "後": " hind ", "足": " foot ", "爪": " claw ", "脚": " foot ", "蹄": " hoof ",
+     "腿": " leg ", "肢": " limb ", "趾": " toe ", "尖": " tip ", "腕": " wrist ",
+     "踝": " ankle ", "耳": " ear ", "眼": " eye ", "尾": " tail "}
+)  # fmt: skip
+_ROMAN = {"i": "1", "ii": "2", "iii": "3", "iv": "4"}
+_ROMAN_LEG = re.compile(r"(?P<side>[lr])(?P<number>i{1,3}|iv)")
+
 _WORDS_OF_NAME = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GERMAN = re.compile(
     r"(?P<rank>vorder|mittel|hinter)(?P<limb>pfote|bein|fuss|huf|lauf|tatze|zehe|kralle)n?"
@@ -68,10 +78,11 @@ def in_english(points: Iterable[str]) -> dict[str, str]:
     """
     points = list(points)
     words = {point: split_name(point) for point in points}
+    plain = {point: split_name(point.translate(_SIGNS)) for point in points}
     said = {
-        point: [new for word in own for new in _translate(word)] for point, own in words.items()
+        point: [new for word in own for new in _translate(word)] for point, own in plain.items()
     }
-    said = _horse_sides(_letters(said))
+    said = _roman_numbers(_horse_sides(_letters(said)))
     new = {
         point: point if said[point] == words[point] else " ".join(said[point]) for point in points
     }
@@ -114,6 +125,21 @@ def _letters(said: dict[str, list[str]]) -> dict[str, list[str]]:
             meant = dict(zip(letters, _LETTERS_IN_ENGLISH, strict=True))
             return {point: [meant.get(word, word) for word in own] for point, own in said.items()}
     return said
+
+
+def _roman_numbers(said: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Read I, II, III and IV as numbers of legs where the first three of them are there."""
+    words = {word for own in said.values() for word in own}
+    if words >= {"i", "ii", "iii"}:
+        return {point: [_ROMAN.get(word, word) for word in own] for point, own in said.items()}
+    if not words >= {"li", "lii", "liii"} and not words >= {"ri", "rii", "riii"}:
+        return said
+
+    def read(word: str) -> list[str]:
+        match = _ROMAN_LEG.fullmatch(word)
+        return ["leg", _ROMAN[match["number"]], match["side"]] if match else [word]
+
+    return {point: [new for word in own for new in read(word)] for point, own in said.items()}
 
 
 def _horse_sides(said: dict[str, list[str]]) -> dict[str, list[str]]:

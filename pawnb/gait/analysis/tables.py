@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import as_word
 from pawnb.gait.analysis.notes import Note
 from pawnb.gait.analysis.plausibility import say_implausible
 from pawnb.gait.analysis.stride_measures import measure_strides
@@ -320,7 +321,7 @@ def build_tables(
     fps = 1.0 / float(np.median(np.diff(times))) if len(times) > 1 else None
     remarks = [*notes, *say_implausible(strides, fps=fps)]
     if not chosen:
-        remarks.append("no pair of legs by name; name them with pairs for phases.")
+        remarks.append(_how_to_pair(legs))
     return GaitTables(
         events=events,
         strides=strides,
@@ -371,6 +372,19 @@ def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
     """Put tables below each other; empty ones only lend their columns."""
     full = [t for t in tables if len(t)]
     return pd.concat(full, ignore_index=True) if full else tables[0].reset_index(drop=True)
+
+
+def _how_to_pair(legs: Sequence[str]) -> str:
+    """Say that no legs are a pair, and how two become one."""
+    said = "no pair of legs by name; name them with pairs for phases"
+    if len(legs) < 2:
+        return f"{said}."
+    one, two = legs[:2]
+    pairs = as_word(f'pairs=[["{one}","{two}"]]')
+    return (
+        f"{said} (--set {pairs}), or call them as a left and a right one with legs (--legs "
+        f"HL={as_word(one)} HR={as_word(two)})."
+    )
 
 
 def _checked_pairs(pairs: Pairs, legs: Sequence[str]) -> list[tuple[str, str]]:

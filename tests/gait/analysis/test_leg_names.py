@@ -61,6 +61,18 @@ from pawnb.trial import Animal, Trial
         # no side, or no leg: nothing is guessed
         (["Nose", "Ear base", "Hind paw tao"], {}),
         (["left_ear", "right_ear", "back", "tail_front"], {}),
+        # Chinese, simplified and not, and Japanese; 中 is the middle leg of an insect
+        (["左前爪", "右前爪", "左后爪", "右后爪", "左耳", "尾"],
+         {"FL": "左前爪", "FR": "右前爪", "HL": "左后爪", "HR": "右后爪"}),
+        (["左前足", "左中足", "左後足", "右前足", "右中足", "右後足"],
+         {"LF": "左前足", "LM": "左中足", "LH": "左後足",
+          "RF": "右前足", "RM": "右中足", "RH": "右後足"}),
+        # arachnologists count legs by Roman numbers
+        (["LegI_L", "LegII_L", "LegIII_L", "LegIV_L", "LegIV_R"],
+         {"L1": "LegI_L", "L2": "LegII_L", "L3": "LegIII_L", "L4": "LegIV_L", "R4": "LegIV_R"}),
+        (["LI", "LII", "LIII", "LIV", "RI"],
+         {"L1": "LI", "L2": "LII", "L3": "LIII", "L4": "LIV", "R1": "RI"}),
+        (["iv leg left", "RI"], {}),  # by themselves these are no numbers
     ],
 )  # fmt: skip
 def test_feet_are_found_by_their_names(points, legs):
@@ -191,7 +203,10 @@ def test_the_example_of_a_leg_is_one_that_it_may_be():
         return str(caught.value)
 
     assert said("Nose", "Front paw tao", "Hind paw tao").endswith("--legs FR='Front paw tao'.")
-    assert said("pt1", "snout", "tailbase").endswith("--legs HR='pt1'.")
+    assert said("pt1", "snout", "tailbase").endswith("--legs HR=pt1.")
+    # an animal on two legs: its left foot is no right one
+    assert said("left_foot", "right_foot").endswith("--legs HL=left_foot HR=right_foot.")
+    assert said("RBigToe", "LBigToe", "Nose").endswith("--legs HR=RBigToe HL=LBigToe.")
 
 
 def test_legs_of_a_trial_are_the_points_that_it_names_and_no_others():

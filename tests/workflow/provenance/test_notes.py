@@ -85,6 +85,10 @@ def test_notes_of_a_gait_run_are_written(tmp_path):
     assert tmp_path / "out" / "notes.csv" in run.files
     told = set(notes[["where", "what"]].itertuples(index=False, name=None))
     assert ("c", "no pair of legs by name; name them with pairs for phases.") in told
+    how = (
+        """(--set 'pairs=[["L","R"]]'), or call them as a left and a right one with legs (--legs"""
+    )
+    assert any(where == "a" and how in what for where, what in told)
     assert any(where == "" and "each counts as one of its own" in what for where, what in told)
     # what stands in the rows of a table is there with its rows
     summary = pd.read_csv(tmp_path / "out" / "animals.csv", keep_default_na=False)
