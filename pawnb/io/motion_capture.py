@@ -24,6 +24,9 @@ _NO_PLACE = ("", "nan", "null")
 _SAME_RATE = 1e-3
 _ROWS_OF_NAMES = {"trajectory_types", "frame"}
 """Rows of QTM between the names of its markers and their places."""
+_TRAJECTORIES = "Trajectories"
+_BEFORE = ("Devices", "Joints", "Model Outputs", "Segments")
+"""Parts of Vicon's csv that may come before the trajectories, such as those of force plates."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,7 +62,10 @@ def motion_capture_format(lines: Sequence[str]) -> str | None:
         return "trc"
     if first.startswith("NO_OF_FRAMES\t"):
         return "qtm"
-    return "vicon" if first.strip(",\t ") == "Trajectories" else None
+    if first.strip(",\t ") == _TRAJECTORIES:
+        return "vicon"
+    counted = len(lines) > 1 and lines[1].strip(",\t ").isdigit()
+    return "vicon" if counted and first.strip(",\t ") in _BEFORE else None
 
 
 def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
@@ -182,12 +188,14 @@ def read_qtm(path: str | Path, *, fps: float | None = None, unit: str | None = N
             "3D data as QTM exports it."
         )
     begin, counted = at + 1, 0
-    while begin < len(rows) and rows[begin][1][0].lower() in _ROWS_OF_NAMES:
+    markers = [name for name in rows[at][1][1:] if name]
+    headings = {*_ROWS_OF_NAMES, *(f"{name} x".lower() for name in markers[:1])}
+    while begin < len(rows) and rows[begin][1][0].lower() in headings:
         counted = 2 if rows[begin][1][0].lower() == "frame" else counted
         begin += 1
     return _tracks(
         _Capture(
-            where=where, program="QTM", markers=[name for name in rows[at][1][1:] if name],
+            where=where, program="QTM", markers=markers,
             rate_hz=_number(said.get("FREQUENCY"), "FREQUENCY", where), unit="mm",
             rows=rows[begin:], counted=counted,
             n_rows=int(_number(said.get("NO_OF_FRAMES"), "NO_OF_FRAMES", where)),
@@ -202,7 +210,7 @@ def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None =
     Parameters
     ----------
     path : str or Path
-        ``.csv`` that begins with ``Trajectories``.
+        ``.csv`` with a part ``Trajectories``; others, such as ``Devices``, are left out.
     fps : float, optional
         Frames per second; default as the file says.
     unit : str, optional
@@ -233,7 +241,9 @@ def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None =
     ['FR']
     """
     where = Path(path).name
-    rows = _rows(path, ",", _VICON)
+    rows = _rows(path, ",", _VICON, begin=_TRAJECTORIES)
+    if not rows:
+        raise InputError(f"{where}: no part {_TRAJECTORIES}; choose it as Nexus exports the file.")
     lines = [cells for _, cells in rows[:5]]
     if len(lines) < 5 or lines[3][:1] != ["Frame"]:
         raise InputError(f"{where}: no line Frame, Sub Frame, X, Y, Z; expected {_VICON}.")
@@ -251,16 +261,21 @@ def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None =
     )  # fmt: skip
 
 
-def _rows(path: str | Path, mark: str, expected: str) -> list[tuple[int, list[str]]]:
-    """Return the lines that hold anything, with their numbers; of Vicon to the first empty one."""
+def _rows(
+    path: str | Path, mark: str, expected: str, *, begin: str = ""
+) -> list[tuple[int, list[str]]]:
+    """Return the lines that hold anything, with their numbers.
+
+    Where a part of the file begins with a line, from there to the first empty one.
+    """
     text = read_text(path, expected=expected)
-    found = []
+    found: list[tuple[int, list[str]]] = []
     for i, cells in enumerate(csv.reader(text.split("\n"), delimiter=mark), start=1):
         row = [cell.strip() for cell in cells]
-        if any(row):
+        if any(row) and (found or not begin or row[0] == begin):
             found.append((i, row))
-        elif mark == "," and len(found) > 5:
-            break  # force plates and model outputs follow
+        elif begin and len(found) > 5:
+            break  # another part follows
     return found
 
 

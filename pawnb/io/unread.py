@@ -58,6 +58,7 @@ _BY_TEXT = (
     (r"^\W*time\W*,\W*x1\W*,\W*y1\b", "trajectories of idtracker.ai", _ONE_POINT),
     (r"^[^\n]*Track n.{1,2}[,\t]Slice n", "points of ImageJ's Manual Tracking",
      f"{AS_TABLE}; its slices count from 1, frames from 0"),
+    (r"\AFormat Version,", "a csv of OptiTrack's Motive", "export .c3d or .trc from Motive"),
     (r"X#wcentroid|^[^\n]*\bposeX0\b", "a table of TRex",
      f"{AS_TABLE}; poseX0, poseY0, ... are its points"),
     (r"^[^\n]*\bsyllable\b", "results of keypoint-moseq",

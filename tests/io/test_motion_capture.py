@@ -112,6 +112,28 @@ def test_vicon(tmp_path):
     assert tracks["individual"].to_numpy().tolist() == ["m07"]
 
 
+def test_vicon_with_force_plates_before_the_trajectories(tmp_path):
+    # Nexus writes the parts that are chosen in this order, whose rows count sub frames
+    path = vicon(tmp_path / "walk.csv")
+    plates = "Devices\n1000\n,,Plate - Force,,\nFrame,Sub Frame,Fx,Fy,Fz\n,,N,N,N\n"
+    plates += "".join(f"11,{i},0.1,0.2,9.8\n" for i in range(5)) + "\n"
+    whole = path.read_text()
+    path.write_text(plates + whole)
+    assert recognise_format(path) == "vicon"
+    check(read_any_tracks(path), first=10)
+    path.write_text(plates)
+    with pytest.raises(InputError, match=r"walk.csv: no part Trajectories; choose it as Nexus"):
+        read_any_tracks(path)
+
+
+def test_qtm_with_headings_of_the_axes_alone(tmp_path):
+    path = qtm(tmp_path / "walk.tsv")
+    names = "MARKER_NAMES\tFR\tHR\n"
+    headings = "\t".join(f"{k} {a}" for k in ("FR", "HR") for a in "XYZ") + "\n"
+    path.write_text(path.read_text().replace(names, names + headings))
+    check(read_any_tracks(path))
+
+
 def test_subjects_are_animals(tmp_path):
     tracks = read_vicon(vicon(tmp_path / "walk.csv", subjects=("m07", "m08")))
     assert tracks["individual"].to_numpy().tolist() == ["m07", "m08"]

@@ -36,6 +36,7 @@ TEXTS = {
     "fish0.csv": ("frame,time,X#wcentroid (cm),Y#wcentroid (cm),poseX0\n0,0,1,2,3\n", "TRex"),
     "hand.csv": (" ,Track n°,Slice n°,X,Y,Distance\n1,1,1,5,6,-1\n", "ImageJ.* count from 1"),
     "moseq.csv": ("syllable,centroid x,centroid y,heading\n0,1,1,0\n", "keypoint-moseq.*tracks"),
+    "motive.csv": ("Format Version,1.23,Take Name,T1\n\n,Type,Marker\n", "Motive.* export .c3d"),
     "bsoid.csv": (",B-SOiD labels\n0,0\n", "B-SOiD.*name the tracks"),
     "calibration.toml": ('[cam_0]\nname = "cam0"\nsize = [ 800, 600,]\n', "TOML.*calibration"),
     "idtracker.csv": ("time,x1,y1,x2,y2\n0.0,1,2,3,4\n", "idtracker.ai.* needs its feet"),
