@@ -213,7 +213,8 @@ def from_movement(
     -------
     xarray.Dataset
         Tracks. Points with a position are ``measured``, others ``missing``; frames are
-        counted from the times, and those that lack are missing. A dataset with a view
+        counted from the times (from 0 where these do not begin with a whole frame, as those of
+        a session's clock), and those that lack are missing. A dataset with a view
         dimension gives image positions, its positions in space are missing. Confidence stays
         NaN where it was not given.
 
@@ -236,7 +237,7 @@ def from_movement(
     """
     names = {name: new for name, new in _SINGULAR.items() if name in dataset.dims}
     dataset = dataset.rename(names)
-    dataset = _in_our_order(dataset)
+    dataset = _in_our_order(dataset, where)
     needed = {"time", "space", "keypoint", "individual"}
     if dataset.attrs.get("ds_type", "poses") != "poses" or "position" not in dataset:
         raise InputError(
@@ -310,7 +311,7 @@ def _enter(tracks: Tracks, dataset: xr.Dataset, rows: IntArray, where: str) -> N
     )
 
 
-def _in_our_order(dataset: xr.Dataset) -> xr.Dataset:
+def _in_our_order(dataset: xr.Dataset, where: str) -> xr.Dataset:
     """Return a dataset with an animal, where one was selected, and coordinates in order."""
     if "position" not in dataset:
         return dataset
@@ -322,7 +323,12 @@ def _in_our_order(dataset: xr.Dataset) -> xr.Dataset:
     if "space" in dataset.coords:
         space = [str(s).lower() for s in dataset["space"].to_numpy()]
         if sorted(space) in (["x", "y"], ["x", "y", "z"]):
-            dataset = dataset.assign_coords(space=space).sel(space=sorted(space))
+            return dataset.assign_coords(space=space).sel(space=sorted(space))
+        if dataset["space"].dtype.kind in "UO":  # x and z alone are no picture: there v points down
+            raise InputError(
+                f"{where}: axes are {', '.join(space)}; expected x and y of a picture, or x, y and "
+                "z of space: save all three, or rename them."
+            )
     return dataset
 
 
@@ -385,6 +391,8 @@ def _frames(dataset: xr.Dataset, fps: float, where: str) -> FloatArray:
             "bring its times to one of them."
         )
     exact = time if unit == "frames" else time * fps
+    if unit == "seconds" and exact.size and abs(exact[0] - np.rint(exact[0])) > _OFF_FRAME:
+        exact = exact - exact[0]  # the clock of a session
     frames = np.rint(exact)
     off = np.abs(exact - frames)
     if off.size and not off.max() <= _OFF_FRAME:

@@ -295,3 +295,18 @@ def test_the_rate_that_is_given_goes_before_that_of_a_film_that_plays_slowed_dow
         assert tracks["frame"].to_numpy().tolist() == [0, 1, 2, 3]
         assert tracks["time"].to_numpy().tolist() == [0.0, 0.004, 0.008, 0.012]
         assert tracks["position"].to_numpy()[:, 0].ravel().tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+def test_axes_that_are_neither_a_picture_nor_space_are_refused():
+    # of a dataset in space, ds.sel(space=["x", "z"]) was a picture in px, whose v points down
+    with pytest.raises(InputError, match=r"^d: axes are x, z; expected x and y of a picture, or"):
+        from_movement(bare("xz"), where="d")
+
+
+def test_times_of_the_clock_of_a_session_begin_with_frame_0():
+    late = bare(time=np.arange(4) / 100.0 + 12.3456)
+    assert from_movement(late)["frame"].to_numpy().tolist() == [0, 1, 2, 3]
+    gap = bare(time=np.array([0.0, 0.01, 0.03, 0.04]) + 12.3456)
+    assert from_movement(gap)["frame"].to_numpy().tolist() == [0, 1, 2, 3, 4]
+    with pytest.raises(InputError, match="times fall between frames at 100 frames per second"):
+        from_movement(bare(time=np.array([0.0, 0.01, 0.025, 0.03]) + 12.3456))
