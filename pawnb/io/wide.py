@@ -25,7 +25,8 @@ _FRAME = re.compile(r"frames?([_ ]?(idx|index|number|num|no\.?))?", re.IGNORECAS
 _SEVERAL = re.compile(r"inst\d+\..+|TRACK_ID")
 """Columns of sleap-io and TrackMate that hold several animals."""
 _INDEX = "Unnamed: 0"
-"""Column without a name, as pandas writes the numbers of the rows, and SimBA those of frames."""
+"""Column without a name, as pandas writes the numbers of the rows, and SimBA those of frames: so
+pandas calls it, also in a file that was read and written again."""
 
 
 def is_wide_table(names: Sequence[str]) -> bool:
@@ -41,7 +42,7 @@ def is_wide_table(names: Sequence[str]) -> bool:
     bool
         True for ``frame`` (or a first column without a name) and at least one point with x and y.
     """
-    return has_points(names) and ("frame" in _respelt(names) or list(names[:1]) == [""])
+    return has_points(names) and ("frame" in _respelt(names) or names[0] in ("", _INDEX))
 
 
 def has_points(names: Sequence[str]) -> bool:

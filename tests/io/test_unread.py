@@ -31,12 +31,19 @@ TEXTS = {
     "ik.mot": ("Coordinates\nversion=1\nnRows=2\ninDegrees=yes\nendheader\ntime\n", "trc"),
     "points.csv": ("frame_idx,node,x,y,track\n0,FR,1,2,m1\n", 'format="sleap"'),
     "frames.csv": ("frame_idx,inst0.track,inst0.FR.x,inst0.FR.y\n0,m1,1,2\n", 'format="sleap"'),
-    # idtracker.ai 6, TRex 1.9, ImageJ 1.54, keypoint-moseq 0.4, B-SOiD 1.5.1, aniposelib 0.8
+    # simba 5.6.1, idtracker.ai 6, TRex 1.9, ImageJ 1.54, keypoint-moseq 0.4, B-SOiD 1.5.1,
+    # aniposelib 0.8
     "idtracker.json": ('{"trajectories": [[[1.0, 2.0]]]}', "idtracker.ai.* needs its feet"),
     "fish0.csv": ("frame,time,X#wcentroid (cm),Y#wcentroid (cm),poseX0\n0,0,1,2,3\n", "TRex"),
     "hand.csv": (" ,Track n°,Slice n°,X,Y,Distance\n1,1,1,5,6,-1\n", "ImageJ.* count from 1"),
     "moseq.csv": ("syllable,centroid x,centroid y,heading\n0,1,1,0\n", "keypoint-moseq.*tracks"),
     "motive.csv": ("Format Version,1.23,Take Name,T1\n\n,Type,Marker\n", "Motive.* export .c3d"),
+    "a_xyzres.csv": ("pt1_dltres,pt2_dltres\n1.0,1.0\n", "DLTdv.* name the xypts"),
+    "a_offsets.csv": ("cam1_offset,cam2_offset\n0,0\n", "DLTdv.* name the xypts"),
+    "simba.csv": (
+        ",IMPORTED_POSE,IMPORTED_POSE\n,IMPORTED_POSE,IMPORTED_POSE\n,FR_x,FR_y\n0,1,2\n",
+        "SimBA.*outlier_corrected",
+    ),
     "bsoid.csv": (",B-SOiD labels\n0,0\n", "B-SOiD.*name the tracks"),
     "calibration.toml": ('[cam_0]\nname = "cam0"\nsize = [ 800, 600,]\n', "TOML.*calibration"),
     "idtracker.csv": ("time,x1,y1,x2,y2\n0.0,1,2,3,4\n", "idtracker.ai.* needs its feet"),

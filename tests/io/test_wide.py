@@ -27,6 +27,7 @@ def write(path, *, frame="frame", spelt="{point}_{axis}", told="likelihood", mor
     "layout",
     [
         {}, {"frame": "Frame"}, {"frame": "frame_idx"}, {"frame": "Frame Number"},
+        {"frame": "Unnamed: 0"},
         {"spelt": "{point}.{axis}"}, {"spelt": "{point} {axis}"}, {"told": "visibility"},
         # what else a table holds is left out, also where it ends like a point
         {"more": [("speed X", 1.0), ("frame_number", 7)]},
