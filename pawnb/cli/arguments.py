@@ -205,10 +205,7 @@ def _add_gait(parsers: Any) -> None:
         "study.toml or csv that names trials, animals, groups and covariates",
     )
     command.add_argument(
-        "-o",
-        "--out",
-        help="folder to write (default: results beside a trial or study, the folder of a single "
-        "file of tracks, results in this folder for several inputs)",
+        "-o", "--out", help="folder to write (default: results by a trial, a tracks file's folder)"
     )
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
     command.add_argument(
