@@ -105,16 +105,14 @@ def read_nwb(path: str | Path, *, fps: float | None = None, unit: str | None = N
         every = [one for own in series for one in own.values()]
         values = [_places(one, where) for one in every]
         scores = [_scores(one, len(v), where) for one, v in zip(every, values, strict=True)]
-        if len({v.shape[1] for v in values}) != 1:
-            raise InputError(f"{where}: points have different numbers of axes.")
         rate, frames, rows = _times(every, [len(v) for v in values], fps, where)
         said = str(every[0]["data"].attrs.get("unit", "pixels")).strip()
         animals = _animals(list(poses), _subject(file))
         notes = _text(file.get("general/notes"))
         program = _text(next(iter(poses.values())).get("source_software"))
-    n_axes = values[0].shape[1]
-    if n_axes not in (2, 3):
-        raise InputError(f"{where}: points have {n_axes} axes; expected 2 or 3.")
+    n_axes, *others = {v.shape[1] for v in values}
+    if others or n_axes not in (2, 3):
+        raise InputError(f"{where}: points have {n_axes} axes or several; expected 2 or 3 of all.")
     own, factor = _unit(said, unit, n_axes, where)
     points = list(dict.fromkeys(name for one in series for name in one))
     place = np.full((len(frames), len(points), len(animals), n_axes), np.nan)
@@ -245,7 +243,8 @@ def _times(
 
     Points may have rows of their own: sleap-io leaves out where a point was not seen.
     """
-    stamps = [_stamps(one, n, where) for one, n in zip(series, lengths, strict=True)]
+    step_s = _step_of(series, where)
+    stamps = [_stamps(one, n, step_s, where) for one, n in zip(series, lengths, strict=True)]
     own = [np.round(times, _DECIMALS_S) for times, _ in stamps]
     times = np.unique(np.concatenate(own))
     told = {rate for _, rate in stamps}
@@ -283,7 +282,18 @@ def _times(
     return rate, frames, [np.searchsorted(times, one) for one in own]
 
 
-def _stamps(series: h5py.Group, n: int, where: str) -> tuple[FloatArray, float]:
+def _step_of(series: Sequence[h5py.Group], where: str) -> float:
+    """Return the usual step of time stamps, 1 where there are none.
+
+    sleap-io, told a rate where it takes a period, steps by as many seconds, and says a rate of 0.
+    """
+    stamped = [one for one in series if "timestamps" in one]
+    steps = [np.diff(read_array(one, "timestamps", where=where, ndim=1)) for one in stamped]
+    every = np.concatenate([*steps, np.zeros(0)])
+    return float(np.median(every)) if len(every) else 1.0
+
+
+def _stamps(series: h5py.Group, n: int, step_s: float, where: str) -> tuple[FloatArray, float]:
     """Return the time of each row of a point, and the rate where the file says one."""
     if "timestamps" in series:
         times = read_array(series, "timestamps", where=where, ndim=1).astype(float)
@@ -294,7 +304,7 @@ def _stamps(series: h5py.Group, n: int, where: str) -> tuple[FloatArray, float]:
     if not isinstance(start, h5py.Dataset) or start.shape != ():
         raise InputError(f"{where}: points have no time stamps; expected {_EXPECTED}.")
     rate = float(start.attrs.get("rate", np.nan))
-    rate = rate if rate > 0 else _SLOWEST_HZ
+    rate = rate if rate > 0 else 1.0 / step_s
     return float(start[()]) + np.arange(n) / rate, rate
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+
 import h5py
 import numpy as np
 import pytest
@@ -129,9 +131,12 @@ def test_a_rate_that_is_said_counts_the_frames_also_where_another_one_is_right(t
 
 
 @pytest.mark.filterwarnings("ignore")  # of the libraries
-@pytest.mark.parametrize("animals", [0, 1, 2])
-def test_predictions_that_sleap_io_wrote(tmp_path, animals):
-    """It leaves out the rows in which a point was not seen, and has poses for each track."""
+@pytest.mark.parametrize(("animals", "told"), [(0, None), (1, None), (2, None), (1, 250.0)])
+def test_predictions_that_sleap_io_wrote(tmp_path, animals, told):
+    """It leaves out the rows in which a point was not seen, and has poses for each track.
+
+    Told a rate, it takes it for the period (0.9.5): stamps of 0, 250, 500 s, rates of 0.
+    """
     sio = pytest.importorskip("sleap_io")
     pytest.importorskip("ndx_pose")
     names = ["FR", "HR", "snout"]
@@ -158,7 +163,12 @@ def test_predictions_that_sleap_io_wrote(tmp_path, animals):
             for i, row in enumerate(places)
         ]
     )  # fmt: skip
-    sio.save_nwb(labels, str(tmp_path / "clip.nwb"), nwb_format="predictions")
+    path = str(tmp_path / "clip.nwb")
+    if told is None:
+        sio.save_nwb(labels, path, nwb_format="predictions")
+    else:
+        predictions = importlib.import_module("sleap_io.io.nwb_predictions")
+        predictions.write_nwb(labels, path, {}, {"video_sample_rate": told})
     read = read_any_tracks(tmp_path / "clip.nwb", fps=250.0)
     assert read["keypoint"].to_numpy().tolist() == names
     assert read["individual"].to_numpy().tolist() == ([t.name for t in tracks] or ["animal"])
