@@ -63,6 +63,10 @@ _BY_TEXT = (
      "name the xypts or xyzpts beside it"),
     (r"\A\W*IMPORTED_POSE\b", "poses of SimBA as they were imported",
      "name its file of csv/outlier_corrected_movement_location"),
+    (r"\A(?=[^\n]*\b(bodyparts?|landmarks?|keypoints?|points?|markers?)\b)(?=[^\n]*\bx\W+y\b)",
+     "a table with a row for each point", "spread it by pandas: wide = table.pivot(index='frame', "
+     "columns=<names of points>, values=['x', 'y']); wide.columns = [f'{point}_{axis}' for axis, "
+     "point in wide.columns]; wide.to_csv('points.csv')"),
     (r"\AFormat Version,", "a csv of OptiTrack's Motive", "export .c3d or .trc from Motive"),
     (r"X#wcentroid|^[^\n]*\bposeX0\b", "a table of TRex",
      f"{AS_TABLE}; poseX0, poseY0, ... are its points"),

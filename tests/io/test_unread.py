@@ -1,5 +1,6 @@
 """Files of programs that are not read are named, with the way to one that is."""
 
+import re
 import zipfile
 
 import h5py
@@ -44,6 +45,7 @@ TEXTS = {
         ",IMPORTED_POSE,IMPORTED_POSE\n,IMPORTED_POSE,IMPORTED_POSE\n,FR_x,FR_y\n0,1,2\n",
         "SimBA.*outlier_corrected",
     ),
+    "long.csv": ("frame,bodypart,x,y\n0,FR,1.0,2.0\n", "a row for each point.*table.pivot"),
     "bsoid.csv": (",B-SOiD labels\n0,0\n", "B-SOiD.*name the tracks"),
     "calibration.toml": ('[cam_0]\nname = "cam0"\nsize = [ 800, 600,]\n', "TOML.*calibration"),
     "idtracker.csv": ("time,x1,y1,x2,y2\n0.0,1,2,3,4\n", "idtracker.ai.* needs its feet"),
@@ -144,3 +146,19 @@ def test_tables_of_pandas_by_other_names(tmp_path):
     pd.DataFrame({"frame": [0], "FR_x": [1.0]}).to_hdf(tmp_path / "plain.h5", key="df")
     with pytest.raises(InputError, match=r"tables of pandas \(df\), not read here; .*read_hdf"):
         recognise_format(tmp_path / "plain.h5")
+
+
+def test_a_table_with_a_row_for_each_point_is_spread_as_the_message_says(tmp_path):
+    table = pd.DataFrame(
+        {"frame": [0, 0, 1, 1], "bodypart": ["FR", "HR"] * 2, "x": [1, 2, 3, 4], "y": [5, 6, 7, 8]}
+    )
+    table.to_csv(tmp_path / "long.csv", index=False)
+    with pytest.raises(InputError, match="a row for each point") as caught:
+        recognise_format(tmp_path / "long.csv")
+    lines = re.search(r"by pandas: (.*)\.$", str(caught.value))[1]
+    lines = lines.replace("<names of points>", "'bodypart'").replace(
+        "'points.csv'", repr(str(tmp_path / "points.csv"))
+    )
+    exec(lines, {"table": table})  # noqa: S102  (what the message says)
+    place = read_any_tracks(tmp_path / "points.csv", fps=100.0)["position"]
+    assert place.sel(keypoint="HR").to_numpy()[:, :, 0].tolist() == [[2, 6], [4, 8]]
