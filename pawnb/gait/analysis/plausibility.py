@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import pandas as pd
 from scipy.spatial.distance import pdist
 
+from pawnb.gait.legs import find_leg_place
+
 _LEAST_STRIDES = 3
 _FREQUENCY_APART = 1.15
 """Legs of one animal step equally often; medians this many times apart are no chance."""
@@ -16,6 +18,10 @@ _STILL_OF_DISTANCE = 0.03
 
 _DUTY_APART = 0.15
 """Contact begins after AEP and ends before PEP, in running mice by up to 0.12 of a stride."""
+
+_AHEAD_OF_EXCURSION = 0.25
+"""Of a stride's excursion, by which a hind leg lies ahead of the front leg of its side. Set by hand:
+the middles of a mouse's steps lie half of an excursion apart and more, the front one ahead."""
 
 _EXCURSIONS_VARY = 0.28
 _PERIODS_VARY = 0.4
@@ -39,7 +45,7 @@ def say_implausible(strides: pd.DataFrame, *, fps: float | None = None) -> list[
     strides : pandas.DataFrame
         Strides of one animal and trial, columns ``leg, frequency_hz, duty_factor`` and, where
         they are known, ``contact_duty_factor``, ``speed`` and ``excursion``, ``aep_position``,
-        ``aep_lateral``, ``pep_lateral``.
+        ``pep_position``, ``aep_lateral``, ``pep_lateral``.
     fps : float, optional
         Frames per second of the tracks that extremes were found in.
 
@@ -49,13 +55,14 @@ def say_implausible(strides: pd.DataFrame, *, fps: float | None = None) -> list[
         One sentence each: where feet move by less than 3 % of the largest distance between them,
         where legs differ by more than 15 % in their median frequency, where
         the duty factors of a leg from AEP to PEP and from touch-down to lift-off differ by more
-        than 0.15, where the body goes backwards, where the strides of a leg are as unlike each
+        than 0.15, where the body goes backwards, where hind legs step ahead of the front legs of
+        their side, where the strides of a leg are as unlike each
         other as jitter makes them, and where swings (or stances) have so few frames that they come
         out too long.
     """
     return [
         *_still(strides), *_frequencies(strides), *_duties(strides), *_backwards(strides),
-        *_unlike(strides), *_few_frames(strides, fps),
+        *_out_of_order(strides), *_unlike(strides), *_few_frames(strides, fps),
     ]  # fmt: skip
 
 
@@ -122,6 +129,33 @@ def _backwards(strides: pd.DataFrame) -> Iterator[str]:
             f"{backwards} of {len(strides)} strides have a negative speed: the animal goes "
             "backwards, or it runs on a belt whose speed is not known (belt_speed, substrate), "
             "or forward is the wrong way round."
+        )
+
+
+def _out_of_order(strides: pd.DataFrame) -> Iterator[str]:
+    """Say where the hindmost leg of a side steps ahead of the foremost one."""
+    if not {"aep_position", "pep_position", "excursion"} <= {*strides}:
+        return
+    middle = (strides["aep_position"] + strides["pep_position"]) / 2
+    by_leg = middle.groupby(strides["leg"].astype(str), sort=False)
+    middles = by_leg.median()[by_leg.count() >= _LEAST_STRIDES]
+    excursion = float(strides["excursion"].median())
+    found, n_sides = [], 0
+    for side in ("R", "L"):
+        places = {leg: place for leg in middles.index if (place := find_leg_place(leg)) is not None}
+        ranks = {leg: place.rank for leg, place in places.items() if place.side == side}
+        if len(set(ranks.values())) < 2:
+            continue
+        n_sides += 1
+        hind, front = max(ranks, key=ranks.__getitem__), min(ranks, key=ranks.__getitem__)
+        share = float(middles[hind] - middles[front]) / excursion
+        if share > _AHEAD_OF_EXCURSION:
+            found.append(f"{hind} steps {share:.0%} of an excursion ahead of {front}")
+    if found and len(found) == n_sides:
+        yield (
+            f"{' and '.join(found)} (median): are front and hind legs named the other way round, or "
+            "is the direction of travel (forward, facing)? Phases and what is said of front and "
+            "hind legs are those of the other ones then. An animal that goes backwards steps so."
         )
 
 

@@ -123,3 +123,40 @@ def test_one_foot_that_is_held_still_is_named():
     (said,) = say_implausible(strides)
     assert said.startswith(f"{strides['leg'].iloc[0]} moves by 0.")  # % of the distance
     assert "these feet seem to be held still" in said
+
+
+@pytest.mark.parametrize("fore", ["front", "hind"])
+def test_hind_legs_that_step_ahead_of_front_legs_are_said(fore):
+    """Clicks of front and hind paws exchanged in every view: nothing in the clicks shows it."""
+    tracks = Walk().tracks(noise=0.2)
+    if fore == "hind":
+        other = {"FR": "HR", "HR": "FR", "FL": "HL", "HL": "FL"}
+        tracks = tracks.assign_coords(keypoint=[other[str(k)] for k in tracks["keypoint"].values])
+    said = [n for n in analyse(tracks, belt_speed=300.0).notes if "named the other way round" in n]
+    assert len(said) == (fore == "hind")
+    if said:
+        assert "ahead of FR" in said[0]
+        assert "ahead of FL" in said[0]
+
+
+def test_legs_of_eight_are_compared_from_the_foremost_to_the_hindmost():
+    # L1 ahead of L2 ahead of L3; what counts of a side is its first and its last leg
+    legs = ["L1", "L2", "L3", "R1", "R2", "R3"]
+    strides = pd.DataFrame(
+        {
+            "leg": np.repeat(legs, 5),
+            "frequency_hz": 5.0,
+            "excursion": 4.0,
+            "aep_position": np.repeat([8.0, 9.0, 1.0, 8.0, 6.0, 1.0], 5),
+            "pep_position": np.repeat([4.0, 5.0, -3.0, 4.0, 2.0, -3.0], 5),
+        }
+    )
+    assert say_implausible(strides) == []
+    turned = strides.assign(
+        aep_position=-strides["pep_position"], pep_position=-strides["aep_position"]
+    )
+    (said,) = say_implausible(turned)
+    assert "L3 steps 175% of an excursion ahead of L1" in said
+    # one side alone is no sign of it: a track that jumped
+    mixed = pd.concat([turned[turned["leg"].str[0] == "L"], strides[strides["leg"].str[0] == "R"]])
+    assert say_implausible(mixed) == []
