@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pawnb.core.lens import Lens, lenses_of_views
 from pawnb.core.video.file import VideoFile
-from pawnb.core.video.pictures import SUFFIXES, PictureFolder, is_glob
+from pawnb.core.video.pictures import SUFFIXES, PictureFolder, is_animated, is_glob
 from pawnb.core.video.stack import PictureStack
 from pawnb.core.video.tiff import n_pictures
 from pawnb.core.video.views import Source, ViewReader
@@ -104,7 +104,7 @@ def _open_source(view: View, folder: Path, n_files: int = 1) -> Source:
     try:
         if path.is_dir() or (is_glob(view.video) and not path.exists()):
             return PictureFolder(path)
-        if path.exists() and path.suffix.lower() in SUFFIXES:
+        if path.exists() and path.suffix.lower() in SUFFIXES and not is_animated(path):
             return PictureStack(path) if n_pictures(path) > 1 else PictureFolder(path)
         return VideoFile(path, n_files=n_files)
     except VideoError as error:

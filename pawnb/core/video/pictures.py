@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 from PIL import Image
 
+from pawnb.arrays import IntArray
 from pawnb.core.pixels.colour import GreyPicture, PackedPicture, Picture
 from pawnb.core.video.tiff import ODD, n_pictures
 from pawnb.errors import VideoError
@@ -24,6 +25,15 @@ SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 def is_glob(name: str) -> bool:
     """Tell whether a path holds wildcards."""
     return any(c in name for c in "*?[")
+
+
+def is_animated(path: Path) -> bool:
+    """Tell whether a file is a PNG of several pictures: a film, by its chunk of animation."""
+    if path.suffix.lower() != ".png" or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(_HEAD_BYTES)
+    return head.startswith(b"\x89PNG") and b"acTL" in head.partition(b"IDAT")[0]
 
 
 def _pattern(path: Path) -> str:
@@ -38,8 +48,11 @@ def natural_key(name: str) -> tuple[tuple[str, int, str], ...]:
     return tuple((text.casefold(), int(number or -1), text) for text, number in parts)
 
 
-_STORED_BITS, _CAMERA_BITS = 16, 12
-"""Of a pixel: those stored, and those that many cameras fill, from the lowest on."""
+_STORED_BITS, _CAMERA_BITS = 16, (10, 12, 14)
+"""Of a pixel: those stored, and those that cameras fill, from the lowest on."""
+
+_HEAD_BYTES = 65536
+"""Of a PNG, in which it is said before the first picture whether more follow."""
 
 _LOOKED_AT = 9
 """Pictures, over all of the recording, in which it is looked how many bits are in use."""
@@ -79,7 +92,7 @@ class PictureFolder:
     -----
     Frame 0 is the picture with the lowest number. Reading keeps no state, so any
     number of threads may read at once. 16-bit pictures keep their upper 8 bits, and where only
-    12 bits are in use, the upper 8 of these.
+    10, 12 or 14 bits are in use, the upper 8 of these.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -171,17 +184,17 @@ class PictureFolder:
                 f"({files[0].name}, ...), as if there were several series; name one by a glob, "
                 'for instance video = "frames/cam1_*.png".'
             )
-        steps = np.diff(last)
-        gaps = np.flatnonzero(steps != steps.min())
-        if len(varying) == 1 and len(gaps):
-            at = int(gaps[0])
+        gaps = [np.flatnonzero(s != s.min()) for s in _steps_of_counters(numbers[:, varying])]
+        # a clock beside the counter may jump: what is complete by one of them lacks nothing
+        if gaps and all(map(len, gaps)):
+            at = int(gaps[-1][0])
             raise VideoError(
                 f"{self.name}: frame {at + 1} is missing, between {files[at].name} and "
                 f"{files[at + 1].name}; put the picture back or number the pictures without a gap."
             )
 
     def _bits_in_use(self) -> int:
-        """Return of how many bits the upper 8 are kept: 12 where some pictures have no more."""
+        """Return of how many bits the upper 8 are kept: fewer where some pictures have no more."""
         brightest = 0
         for index in np.unique(np.linspace(0, self.n_frames - 1, _LOOKED_AT).astype(int)):
             pixels = None
@@ -192,13 +205,13 @@ class PictureFolder:
             if pixels.dtype != np.uint16:
                 return _STORED_BITS
             brightest = max(brightest, int(pixels.max()))
-        if not 0 < brightest < 1 << _CAMERA_BITS:
-            return _STORED_BITS
-        self.notes.append(
-            f"{self.name}: of the {_STORED_BITS} bits a pixel of its pictures no more than "
-            f"{_CAMERA_BITS} are in use (brightest {brightest}); these are shown."
-        )
-        return _CAMERA_BITS
+        bits = next((b for b in _CAMERA_BITS if 0 < brightest < 1 << b), _STORED_BITS)
+        if bits < _STORED_BITS:
+            self.notes.append(
+                f"{self.name}: of the {_STORED_BITS} bits a pixel of its pictures no more than "
+                f"{bits} are in use (brightest {brightest}); these are shown."
+            )
+        return bits
 
     def _pixels(self, index: int) -> np.ndarray | None:
         """Read one file: (H, W) or (H, W, 3 or 4) blue, green, red; None where it is damaged."""
@@ -228,6 +241,18 @@ class PictureFolder:
         if pixels.ndim == 2:
             return GreyPicture(pixels)
         return PackedPicture(pixels, (2, 1, 0))
+
+
+def _steps_of_counters(numbers: IntArray) -> list[IntArray]:
+    """Return the steps of those numbers in names that count pictures, not those of a clock.
+
+    ``numbers`` (n_pictures, n_numbers) are those that differ. One alone is taken to count.
+    """
+    found = list(np.diff(numbers, axis=0).T)
+    if len(found) == 1:
+        return found
+    rising = [steps for steps in found if len(steps) and steps.min() > 0]
+    return [s for s in rising if not (s % s.min()).any() and np.median(s) == s.min()]
 
 
 def _turn_notes(file: Path) -> list[str]:

@@ -16,6 +16,7 @@ from pawnb.errors import VideoError
 from pawnb.files import check_file
 
 _DESCRIPTION = 270
+_AXES = re.compile(r"^(channels|slices|frames)=(\d+)", re.MULTILINE)
 ODD = (OSError, ValueError, SyntaxError, KeyError, TypeError, EOFError, struct.error,
         Image.DecompressionBombError)  # fmt: skip
 """What Pillow raises for damaged files."""
@@ -29,7 +30,8 @@ def n_pictures(path: Path) -> int:
     Raises
     ------
     VideoError
-        If the list of pictures breaks off, or ImageJ wrote some that are not in it.
+        If the list of pictures breaks off, ImageJ wrote some that are not in it, or they are
+        those of several channels or slices.
     """
     if path.suffix.lower() not in (".tif", ".tiff"):
         return 1
@@ -38,12 +40,21 @@ def n_pictures(path: Path) -> int:
             file = closing.enter_context(opened(path))
         except ODD:
             return 1  # of a kind that Pillow does not know
-        said = re.search(r"^images=(\d+)", str(file.tag_v2.get(_DESCRIPTION, "")), re.MULTILINE)
+        told = str(file.tag_v2.get(_DESCRIPTION, ""))
+        said = re.search(r"^images=(\d+)", told, re.MULTILINE)
         n = _count(file, path)
     if n == 1 and said and int(said[1]) > 1:
         raise VideoError(
             f"{path}: ImageJ wrote {said[1]} pictures into it in a way that other programs do not "
             "read (above 4 GB); save it as an image sequence there, and name the folder."
+        )
+    axes = [a for a in _AXES.findall(told) if int(a[1]) > 1]
+    if n > 1 and len(axes) > 1:
+        counted = ", ".join(f"{size} {axis}" for axis, size in axes)
+        raise VideoError(
+            f"{path}: a hyperstack of ImageJ ({counted}), of which neighbouring pictures are no "
+            "frames that follow each other; save one channel and slice as a stack of its own "
+            "(Image > Duplicate), and name that."
         )
     return n
 

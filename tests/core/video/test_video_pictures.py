@@ -224,6 +224,65 @@ def test_of_sixteen_bits_those_in_use_are_shown_and_it_is_said(tmp_path):
     assert "no more than 12 are in use" in note
 
 
+@pytest.mark.parametrize("bits", [10, 12, 14])
+def test_of_cameras_of_any_depth_the_bits_in_use_are_shown(tmp_path, bits):
+    """The brightest of 10 bits was shown as 63 of 255, that of 14 too."""
+    images = [(picture(k)[..., 1].astype(np.uint16) << bits - 8) + 1 for k in range(4)]
+    write_stack(tmp_path / "stack.tif", images)
+    with open_view(View(name="v", video="stack.tif"), tmp_path) as view:
+        np.testing.assert_array_equal(view.read(2), picture(2)[..., 1])
+        assert f"no more than {bits} are in use" in view.source.notes[0]
+
+
+def test_channels_of_a_hyperstack_are_no_frames(tmp_path):
+    """ImageJ's order is channel by channel: every other picture is of another camera or lamp."""
+    path = tmp_path / "stack.tif"
+    for axes, ok in (
+        ("channels=2\nframes=3", False),
+        ("slices=3\nframes=2", False),
+        ("slices=6", True),
+        ("channels=6\nhyperstack=true", True),
+        ("channels=1\nslices=1\nframes=6", True),
+    ):
+        said = {270: f"ImageJ=1.53\nimages=6\n{axes}\nloop=false\n"}
+        write_stack(path, [picture(k) for k in range(6)], tiffinfo=said)
+        if ok:
+            with open_view(View(name="v", video="stack.tif"), tmp_path) as view:
+                assert view.n_frames == 6
+        else:
+            with pytest.raises(VideoError, match="a hyperstack of ImageJ"):
+                open_view(View(name="v", video="stack.tif"), tmp_path)
+
+
+def test_a_png_of_many_pictures_is_a_film(tmp_path):
+    """Its first picture was taken for all of it."""
+    first, *others = [Image.fromarray(picture(k)) for k in range(7)]
+    first.save(tmp_path / "film.png", save_all=True, append_images=others, duration=40)
+    with open_view(View(name="v", video="film.png"), tmp_path) as view:
+        assert view.n_frames == 7
+        for k in (0, 6, 2, 5):
+            np.testing.assert_array_equal(view.read(k), picture(k))
+    first.save(tmp_path / "one.png")
+    with open_view(View(name="v", video="one.png"), tmp_path) as view:
+        assert view.n_frames == 1
+
+
+def test_a_picture_that_is_missing_is_seen_beside_a_clock_in_the_names(tmp_path):
+    """Basler's pylon Viewer writes date, time and counter; a gap was passed over."""
+    names = [f"cam_20240501_{120000000 + 33 * k + k % 3}_{k:04d}.png" for k in range(8)]
+    for k, name in enumerate(names):
+        write(tmp_path, name, k)
+    assert numbers(tmp_path) == list(range(8))
+    (tmp_path / names[5]).unlink()
+    assert f"frame 5 is missing, between {names[4]} and {names[6]}" in refusal(tmp_path)
+
+
+def test_a_clock_beside_the_counter_may_jump(tmp_path):
+    for k in range(8):
+        write(tmp_path, f"{k:04d}_{1000 + k + 5 * (k > 5)}.png", k)
+    assert numbers(tmp_path) == list(range(8))
+
+
 def test_a_stack_that_is_cut_short_or_imagej_s_own_is_refused(tmp_path):
     path = write_stack(tmp_path / "stack.tif", [picture(k) for k in range(9)])
     path.write_bytes(path.read_bytes()[: path.stat().st_size * 6 // 10])
