@@ -22,6 +22,7 @@ import numpy as np
 from pawnb.core.pixels.colour import PartPicture, Picture
 from pawnb.core.pixels.planes import picture_of_frame
 from pawnb.core.pixels.turned import Turn, TurnedPicture, turn_of_frame
+from pawnb.core.video.doubts.interlaced import HOW_TO_MEND
 from pawnb.core.video.endings import Ending
 from pawnb.core.video.listing import list_packets, read_packets
 from pawnb.core.video.packets import PacketIndex
@@ -258,9 +259,7 @@ class VideoFile:
         if self._is_interlaced:
             notes.append(
                 f"{self.name} says that its pictures are interlaced, each of two that were taken "
-                "one after the other: what moves is seen twice, in every other row. Make each a "
-                "picture of its own, which doubles fps, with: "
-                "ffmpeg -i IN -vf bwdif=mode=send_field -crf 12 OUT.mp4"
+                f"one after the other: {HOW_TO_MEND}"
             )
         aspect = self._stream.sample_aspect_ratio
         if aspect and abs(float(aspect) - 1.0) > _SQUARE_WITHIN:

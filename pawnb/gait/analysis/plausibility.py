@@ -20,8 +20,8 @@ _DUTY_APART = 0.15
 """Contact begins after AEP and ends before PEP, in running mice by up to 0.12 of a stride."""
 
 _AHEAD_OF_EXCURSION = 0.25
-"""Of a stride's excursion, by which a hind leg lies ahead of the front leg of its side. Set by hand:
-the middles of a mouse's steps lie half of an excursion apart and more, the front one ahead."""
+"""Of a stride's excursion, by which a hind leg steps ahead of the front leg of its side. Set by
+hand: the middles of a mouse's steps lie half of one apart and more, the front one ahead."""
 
 _EXCURSIONS_VARY = 0.28
 _PERIODS_VARY = 0.4
@@ -153,8 +153,8 @@ def _out_of_order(strides: pd.DataFrame) -> Iterator[str]:
             found.append(f"{hind} steps {share:.0%} of an excursion ahead of {front}")
     if found and len(found) == n_sides:
         yield (
-            f"{' and '.join(found)} (median): are front and hind legs named the other way round, or "
-            "is the direction of travel (forward, facing)? Phases and what is said of front and "
+            f"{' and '.join(found)} (median): are front and hind legs named the other way round, "
+            "or is the direction of travel (forward, facing)? Phases and what is said of front and "
             "hind legs are those of the other ones then. An animal that goes backwards steps so."
         )
 

@@ -12,7 +12,9 @@ import numpy as np
 
 from pawnb.core.lens import load_lenses
 from pawnb.core.pixels.grey import has_colour
-from pawnb.core.video import Frame, ViewReader, open_views
+from pawnb.core.video import Frame, ViewReader, ViewSet, open_views
+from pawnb.core.video.doubts.interlaced import HOW_TO_MEND, looks_interlaced
+from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
@@ -226,17 +228,33 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
                 f"view {name}: {reader.n_frames} frames of {reader.width} x {reader.height} px"
                 f"{_say_crop(trial.view(name), reader)}, {_say_colour(reader, pictures.get(name))}"
             )
-        report.doubts += views.notes
+        report.doubts += [*views.notes, *tell_same_films(views)]
         if not report.faults:
             first, stop = trial.frames or (0, views.n_frames)
+            stop = min(stop, views.n_frames)
             try:
-                report.doubts += doubt_synchronisation(
-                    trial, views, start=first, stop=min(stop, views.n_frames)
-                )
+                report.doubts += doubt_synchronisation(trial, views, start=first, stop=stop)
+                report.doubts += _doubt_weave(trial, views, first, stop)
             except PawnbError as error:
                 report.faults.append(str(error))
         kind_of(trial).check_start(trial, views, report)
     return sizes
+
+
+def _doubt_weave(trial: Trial, views: ViewSet, first: int, stop: int) -> list[str]:
+    """Say which films look interlaced though they do not say it, once a film."""
+    seen: dict[str, str] = {}
+    for name, reader in views.readers.items():
+        view = trial.view(name)
+        if view.video in seen or any(HOW_TO_MEND in note for note in reader.source.notes):
+            continue
+        offset = view.offset
+        if looks_interlaced(reader, start=first + offset, stop=stop + offset):
+            seen[view.video] = (
+                f"{reader.source.name} looks interlaced, though it does not say so: "
+                f"{HOW_TO_MEND} (where things then go to and fro, with parity=bff)"
+            )
+    return list(seen.values())
 
 
 def _say_colour(reader: ViewReader, first: Frame | None) -> str:

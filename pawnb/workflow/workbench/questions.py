@@ -7,8 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeVar
 
+from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.errors import InputError
 from pawnb.workflow.workbench.animals import ANIMALS, choose_animal
+from pawnb.workflow.workbench.film_alignment import tell_alignment
 from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, part_of_frames
 
 T = TypeVar("T")
@@ -92,6 +94,7 @@ def ask_new_trial(
     for view in made.views:
         _ask_view(made, view, put)
     _ask_frames(made, put)
+    _ask_flash(made, put)
     return made.write()
 
 
@@ -104,6 +107,7 @@ def _look_at(made: NewTrial) -> list[str]:
         )
     with made.open_whole() as views:
         notes = [note for reader in views.readers.values() for note in reader.source.notes]
+        notes += [f"{text}." for text in tell_same_films(views)]
     return list(dict.fromkeys(notes))
 
 
@@ -165,6 +169,42 @@ def _ask_frames(made: NewTrial, put: _Questions) -> None:
 
     question = f"Frames with the animal in view: first, last (Enter: all, 0 to {n - 1})"
     made.frames = put(question, part, may_end=True)
+
+
+def _ask_flash(made: NewTrial, put: _Questions) -> None:
+    """Ask of several films where each shows a flash; then for the frames of the aligned ones."""
+    films = made.films
+    if len(films) < 2:
+        return
+    names = [view.name for view in films.values()]
+    with made.open_whole() as views:
+        lengths = {
+            v.name: r.n_frames for v, r in zip(made.views, views.readers.values(), strict=True)
+        }
+
+    def events(answer: str) -> list[int | None]:
+        words = answer.replace(",", " ").split()
+        if words and (len(words) != len(films) or not all(word.isdecimal() for word in words)):
+            raise InputError(f"expected a whole number for each of {', '.join(names)}.")
+        found: list[int | None] = [int(word) for word in words]
+        found = found or [None] * len(films)
+        for name, event in zip(names, found, strict=True):
+            if event is not None and event >= lengths[name]:
+                raise InputError(f"{name} has frames 0 to {lengths[name] - 1} only.")
+        return found
+
+    if text := tell_alignment(dict.fromkeys(names, 0), {name: lengths[name] for name in names}):
+        put.say(text.partition(". ")[0] + ".")
+    question = (
+        "Frame of each film that first shows a flash, where they were not started together: "
+        f"{', '.join(names)} (Enter: together)"
+    )
+    found = put(question, events, may_end=True)
+    for view in made.views:
+        view.event = found[list(films).index(view.video)]
+    if any(made.offsets.values()):
+        put.say("The films are aligned; frames are counted from the first that all of them have.")
+        _ask_frames(made, put)
 
 
 def _some_names(answer: str) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ import gc
 import threading
 import weakref
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -16,6 +17,7 @@ from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.video import VideoFile, open_view, open_views
 from pawnb.core.video import file as file_module
 from pawnb.core.video import views as views_module
+from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.core.video.viewset import READ_AHEAD
 from pawnb.errors import InputError, VideoError
 from pawnb.trial import Animal, Calibration, Trial, View
@@ -280,3 +282,23 @@ def test_lenses_are_looked_up_by_view(clips, tmp_path):
 def test_a_trial_without_views(tmp_path):
     with pytest.raises(VideoError, match=r"trial 't' has no views; add \[\[views\]\]"):
         open_views(trial_of(tmp_path))
+
+
+def test_one_film_given_for_two_views_is_said(tmp_path):
+    """Copied, and compressed again; films of two cameras, or flat ones, are not said to be one."""
+    rng = np.random.default_rng(5)
+    shown = {
+        1: cv2.GaussianBlur(rng.uniform(0, 255, (64, 160)), (0, 0), 3),
+        2: cv2.GaussianBlur(rng.uniform(0, 255, (64, 160)), (0, 0), 3),
+        3: np.full((64, 160), 9.0),
+    }
+    for name, kind, suffix in (("a", 1, "png"), ("b", 1, "jpg"), ("c", 2, "png"), ("d", 3, "png"),
+                               ("e", 3, "png")):  # fmt: skip
+        (tmp_path / name).mkdir()
+        for k in range(2):
+            cv2.imwrite(str(tmp_path / name / f"{k}.{suffix}"), shown[kind].astype(np.uint8))
+    views = [View(name=name, video=name) for name in "abcde"]
+    views.append(View(name="f", video="a", crop=(0, 0, 80, 64)))  # of one file by intent
+    with open_views(trial_of(tmp_path, *views)) as opened:
+        (said,) = tell_same_films(opened)
+    assert said.startswith("the films of views a and b begin with the same picture: one film seems")

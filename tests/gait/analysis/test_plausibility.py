@@ -131,7 +131,9 @@ def test_hind_legs_that_step_ahead_of_front_legs_are_said(fore):
     tracks = Walk().tracks(noise=0.2)
     if fore == "hind":
         other = {"FR": "HR", "HR": "FR", "FL": "HL", "HL": "FL"}
-        tracks = tracks.assign_coords(keypoint=[other[str(k)] for k in tracks["keypoint"].values])
+        tracks = tracks.assign_coords(
+            keypoint=[other[str(k)] for k in tracks["keypoint"].to_numpy()]
+        )
     said = [n for n in analyse(tracks, belt_speed=300.0).notes if "named the other way round" in n]
     assert len(said) == (fore == "hind")
     if said:

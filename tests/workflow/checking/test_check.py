@@ -343,3 +343,24 @@ def test_cameras_of_pictures_of_another_size_are_doubted(rendered_trial, tmp_pat
     (doubt,) = [doubt for doubt in report.doubts if "calibrated with pictures" in doubt]
     assert "camera 'cam2' was calibrated with pictures of 820 x 280 px" in doubt
     assert "the video of that view has 410 x 140" in doubt
+
+
+def test_one_film_given_for_two_views_is_doubted(small_trial):
+    """A copy under another name: every view was fine, and so was the trial."""
+    shutil.copy(small_trial / "cam1.avi", small_trial / "cam2.avi")
+    doubts = check_trial(small_trial).doubts
+    assert any("views cam1 and cam2 begin with the same picture" in doubt for doubt in doubts)
+
+
+def test_a_film_that_looks_interlaced_though_it_does_not_say_so_is_doubted(small_trial):
+    """Every other row of each picture from the next one, as of a camera that filmed in fields."""
+    with open_views(load_trial(small_trial)) as views:
+        pictures = [views.readers["cam1"].read(k) for k in range(40)]
+    folder = small_trial / "woven"
+    folder.mkdir()
+    for k, (one, other) in enumerate(zip(pictures, [*pictures[1:], pictures[-1]], strict=True)):
+        one[1::2] = other[1::2]
+        cv2.imwrite(str(folder / f"{k:03d}.png"), one[..., ::-1])
+    change(small_trial, "trial.toml", 'video = "cam1.avi"', 'video = "woven"')
+    (said,) = [d for d in check_trial(small_trial).doubts if "looks interlaced" in d]
+    assert "ffmpeg -i IN -vf bwdif=mode=send_field" in said

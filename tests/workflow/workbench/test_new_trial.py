@@ -84,6 +84,30 @@ def test_questions_make_a_trial_that_is_read_as_it_was_meant(bare):
     assert any("cam1.avi, 640 x 360 px" in line for line in said)
 
 
+def test_films_that_were_not_started_together_are_aligned_by_a_flash(bare):
+    """The form asked for it; the terminal did not, and all offsets were 0."""
+    said = []
+    before = ["", "", "", "250", "", "", "", *[""] * 12, ""]  # all frames of the films as they are
+    path = ask_new_trial(
+        videos(bare), ask=answer(*before, "5 3", "5, 3, 99999", "5, 3, 3", "1, 6"), say=said.append
+    )
+    trial = load_trial(path)
+    assert [view.offset for view in trial.views] == [2, 0, 0]
+    assert trial.frames == (1, 7)
+    again = " ".join(said)
+    assert "expected a whole number for each of cam1, cam2, cam3" in again
+    assert "cam3 has frames 0 to" in again
+    assert "frames are counted from the first that all of them have" in again
+
+
+def test_one_film_given_for_two_views_is_said_before_anything_is_asked(bare):
+    (bare / "cam2.avi").write_bytes((bare / "cam1.avi").read_bytes())
+    said = []
+    with pytest.raises(InputError, match="no answer"):
+        ask_new_trial(videos(bare), ask=answer(), say=said.append)
+    assert "the films of views cam1 and cam2 begin with the same picture" in said[1]
+
+
 def test_answers_that_make_no_sense_are_asked_again(bare):
     said = []
     path = ask_new_trial(

@@ -1,0 +1,51 @@
+"""Whether one film is given for two views."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+
+from pawnb.arrays import FloatArray
+from pawnb.core.pixels.grey import grey
+from pawnb.core.video.views import Source
+from pawnb.core.video.viewset import ViewSet
+
+_SAME, _FLAT = 0.2, 5.0
+"""Pictures that differ by less, the mean as a share of their standard deviation, are of one camera;
+one that is flatter, in grey values, tells nothing. Measured: nine real films that were compressed
+again (H.264, crf 28) differ by 0.02 to 0.11, those of cameras side by side (15 pairs, a fly, mice
+in a cage, rendered mice) by 0.43 to 0.99."""
+
+
+def tell_same_films(views: ViewSet) -> list[str]:
+    """Say which files begin with the same picture, as those of two cameras never do.
+
+    Parameters
+    ----------
+    views : ViewSet
+        The open views.
+
+    Returns
+    -------
+    list of str
+        A sentence for each two files.
+    """
+    files = {id(reader.source): name for name, reader in reversed(views.readers.items())}
+    names = [name for name in views.names if name in files.values()]
+    if len(names) < 2:
+        return []
+    first = {name: _first(views.readers[name].source) for name in names}
+    return [
+        f"the films of views {a} and {b} begin with the same picture: one film seems to be given "
+        "for both, or two films of one camera; name the film of each"
+        for a, b in combinations(names, 2)
+        if first[a].shape == first[b].shape
+        and first[a].std() > _FLAT
+        and np.abs(first[a] - first[b]).mean() < _SAME * first[a].std()
+    ]
+
+
+def _first(source: Source) -> FloatArray:
+    """Return the grey values of a file's first picture."""
+    return np.asarray(grey(source.grab(0).region(0, 0, source.width, source.height)))
