@@ -16,7 +16,7 @@ from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Calibration, Trial
 from pawnb.workflow.checking.check_report import CheckReport
-from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks
+from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks, tell_one_place
 from pawnb.workflow.start.turned_axes import tell_turned_axes
 from pawnb.workflow.tracking.methods import tracker_settings
 from pawnb.workflow.tracking.point_tracker import point_trackers
@@ -75,6 +75,7 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in "
         f"frame{'s' if len(clicked) > 1 else ''} {', '.join(map(str, clicked))}"
     )
+    report.doubts += tell_one_place(clicks)
     _check_predictions(trial, views, clicks, frames, report)
     if not report.faults and (rig is not None or len(views.names) == 1):
         _doubt_colours(trial, views, rig, clicks, report)

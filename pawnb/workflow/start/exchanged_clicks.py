@@ -1,4 +1,4 @@
-"""Clicks of two points, or of two views, that seem to be exchanged with each other."""
+"""Clicks of two points, or of two views, that seem to be exchanged, or to be of one point."""
 
 from __future__ import annotations
 
@@ -19,6 +19,9 @@ agree within 3 px, 150 mm apart across a mouse of 60 mm; those that are not come
 _DISAGREE_PX, _MUCH_BETTER = 3.0, 1 / 3
 """Two views that are exchanged, or clicks in three views or more, disagree by so much, RMS, and by
 less than that share of it once put right."""
+
+_ONE_PLACE_PX = 1.5
+"""Clicks of two points that lie nearer are of one place: a click is no more exact."""
 
 Clicks = Mapping[tuple[str, str], tuple[float, float]]
 """View and point to u, v in px, of one frame."""
@@ -80,6 +83,35 @@ def tell_exchanged_clicks(rig: Rig, clicks: pd.DataFrame) -> list[str]:
         rows = group[["view", "point", "u", "v"]].itertuples(index=False, name=None)
         own = {(str(view), str(point)): (float(u), float(v)) for view, point, u, v in rows}
         said += [f"start clicks of frame {frame}: {text}" for text in tell_exchanged(rig, own)]
+    return said
+
+
+def tell_one_place(clicks: pd.DataFrame) -> list[str]:
+    """Say which two points are clicked on one place in every view that both are clicked in.
+
+    Parameters
+    ----------
+    clicks : pandas.DataFrame
+        The start clicks: frame, view, point, u, v.
+
+    Returns
+    -------
+    list of str
+        A sentence for each such pair of a frame.
+    """
+    said = []
+    for frame, group in clicks.groupby("frame", sort=True):
+        u, v = (
+            group.pivot_table(index="view", columns="point", values=name) for name in ("u", "v")
+        )
+        for a, b in combinations(dict.fromkeys(group["point"]), 2):
+            apart = np.hypot(u[a] - u[b], v[a] - v[b]).dropna()
+            if len(apart) and (apart < _ONE_PLACE_PX).all():
+                said.append(
+                    f"start clicks of frame {frame}: {a} and {b} lie on one place in "
+                    f"{' and '.join(map(str, apart.index))}: one of them seems to be clicked on "
+                    "the other; where it is hidden behind it, leave its click out there"
+                )
     return said
 
 

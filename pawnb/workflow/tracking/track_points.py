@@ -24,7 +24,7 @@ from pawnb.workflow.calibration.real_units import in_real_units
 from pawnb.workflow.provenance.manifest import run_alone
 from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.reviewing.quality import tell_failed
-from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks
+from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks, tell_one_place
 from pawnb.workflow.start.turned_axes import tell_turned_axes
 from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
 from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
@@ -76,7 +76,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
-        doubts = [] if rig is None else _doubt_clicks(rig, clicks)
+        doubts = tell_one_place(clicks)
+        doubts += [] if rig is None else _doubt_clicks(rig, clicks)
         _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:

@@ -364,3 +364,13 @@ def test_a_film_that_looks_interlaced_though_it_does_not_say_so_is_doubted(small
     change(small_trial, "trial.toml", 'video = "cam1.avi"', 'video = "woven"')
     (said,) = [d for d in check_trial(small_trial).doubts if "looks interlaced" in d]
     assert "ffmpeg -i IN -vf bwdif=mode=send_field" in said
+
+
+def test_two_points_clicked_on_one_place_are_doubted(small_trial):
+    clicks = pd.read_csv(small_trial / "start.csv")
+    places = clicks.set_index(["view", "point"])
+    for k, row in clicks[clicks["point"] == "HR"].iterrows():
+        clicks.loc[k, ["u", "v"]] = places.loc[(row["view"], "FR"), ["u", "v"]].to_numpy() + 0.5
+    clicks.to_csv(small_trial / "start.csv", index=False)
+    doubts = check_trial(small_trial).doubts
+    assert any("FR and HR lie on one place in cam1 and cam2" in doubt for doubt in doubts)

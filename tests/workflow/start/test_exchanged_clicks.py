@@ -5,7 +5,11 @@ import pandas as pd
 import pytest
 
 from pawnb.core.rig import Rig
-from pawnb.workflow.start.exchanged_clicks import tell_exchanged, tell_exchanged_clicks
+from pawnb.workflow.start.exchanged_clicks import (
+    tell_exchanged,
+    tell_exchanged_clicks,
+    tell_one_place,
+)
 
 VIEWS = ("cam1", "cam2", "cam3", "cam4")
 # the four cameras of the rendered mouse, two at each side
@@ -131,3 +135,17 @@ def test_the_frame_of_the_clicks_is_said(rig):
     (said,) = tell_exchanged_clicks(rig, table)
     assert said.startswith("start clicks of frame 7: FR and HR seem to be exchanged")
     assert tell_exchanged_clicks(rig, table[table["point"] == "FR"]) == []
+
+
+def test_two_points_that_are_clicked_on_one_place_are_said():
+    """The second click did not go to the other paw; both were tracked as one, called good."""
+    rows = [
+        (0, "cam1", "FR", 50.0, 60.0), (0, "cam1", "FL", 50.4, 60.3), (0, "cam1", "HR", 20.0, 61.0),
+        (0, "cam2", "FR", 80.0, 60.0), (0, "cam2", "FL", 80.0, 60.0),
+        (7, "cam1", "FR", 50.0, 60.0), (7, "cam1", "FL", 50.0, 60.0),
+        (7, "cam2", "FR", 80.0, 60.0), (7, "cam2", "FL", 95.0, 60.0),  # one behind the other
+    ]  # fmt: skip
+    clicks = pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
+    (said,) = tell_one_place(clicks)
+    assert said.startswith("start clicks of frame 0: FR and FL lie on one place in cam1 and cam2")
+    assert tell_one_place(clicks[clicks["point"] != "FL"]) == []

@@ -1,6 +1,7 @@
 """What looks wrong in the pictures of films, though their files do not say it.
 
-``interlaced``: each woven of two; ``one_film``: one film given for two views.
+Comes in: open views. Goes out: whether each picture is woven of two (``interlaced``), and which
+views are given one film (``one_film``).
 """
 
 from pawnb import _lazy

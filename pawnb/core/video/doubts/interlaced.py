@@ -15,11 +15,11 @@ HOW_TO_MEND = (
     "fps, with: ffmpeg -i IN -vf bwdif=mode=send_field -crf 12 OUT.mp4"
 )
 
-_PLACES = (0.2, 0.4, 0.6, 0.8)
+_COMPARED_AT = (0.2, 0.4, 0.6, 0.8)
 """Of the frames, where two that follow each other are compared."""
-_MOVED = 12.0
+_MOVED_GREY = 12.0
 """Change of grey from frame to frame that is no noise."""
-_FEWEST_MOVED = 300
+_FEWEST_PIXELS = 300
 """Pixels that move, of which fewer tell nothing."""
 _COMB = 10.0
 """A row is a tooth where it differs by so much from those above and below, RMS of both."""
@@ -44,7 +44,7 @@ def looks_interlaced(reader: ViewReader, *, start: int, stop: int) -> bool:
     bool
         False also where too little moves to tell.
     """
-    frames = sorted({start + int(place * (stop - start - 1)) for place in _PLACES})
+    frames = sorted({start + int(place * (stop - start - 1)) for place in _COMPARED_AT})
     found = [_share_of_teeth(reader, k) for k in frames if k + 1 < stop]
     shares = [share for share in found if share is not None]
     if not shares:
@@ -56,8 +56,8 @@ def looks_interlaced(reader: ViewReader, *, start: int, stop: int) -> bool:
 def _share_of_teeth(reader: ViewReader, frame: int) -> tuple[float, float] | None:
     """Return which share of moving pixels stand out of both neighbours: by row, and by column."""
     before, now = (grey(reader.read(k)) for k in (frame, frame + 1))
-    moved = np.abs(now - before) > _MOVED
-    if moved.sum() < _FEWEST_MOVED or min(now.shape) < 3:
+    moved = np.abs(now - before) > _MOVED_GREY
+    if moved.sum() < _FEWEST_PIXELS or min(now.shape) < 3:
         return None
     up, down = now[:-2] - now[1:-1], now[2:] - now[1:-1]
     left, right = now[:, :-2] - now[:, 1:-1], now[:, 2:] - now[:, 1:-1]

@@ -11,7 +11,7 @@ from pawnb.core.pixels.grey import grey
 from pawnb.core.video.views import Source
 from pawnb.core.video.viewset import ViewSet
 
-_SAME, _FLAT = 0.2, 5.0
+_LEAST_APART, _FLAT_GREY = 0.2, 5.0
 """Pictures that differ by less, the mean as a share of their standard deviation, are of one camera;
 one that is flatter, in grey values, tells nothing. Measured: nine real films that were compressed
 again (H.264, crf 28) differ by 0.02 to 0.11, those of cameras side by side (15 pairs, a fly, mice
@@ -41,8 +41,8 @@ def tell_same_films(views: ViewSet) -> list[str]:
         "for both, or two films of one camera; name the film of each"
         for a, b in combinations(names, 2)
         if first[a].shape == first[b].shape
-        and first[a].std() > _FLAT
-        and np.abs(first[a] - first[b]).mean() < _SAME * first[a].std()
+        and first[a].std() > _FLAT_GREY
+        and np.abs(first[a] - first[b]).mean() < _LEAST_APART * first[a].std()
     ]
 
 
