@@ -66,6 +66,8 @@ class VideoFile:
         The container's time stamps, s.
     is_variable_rate : bool
         Whether they are not evenly spaced.
+    filmed_fps : float or None
+        Frames per second of the recording, where the camera wrote them into the file.
     notes : list of str
         What a user should know, in plain sentences: a file that is cut short, turned,
         interlaced, or whose pixels are not square.
@@ -100,6 +102,7 @@ class VideoFile:
             self.n_frames = self._index.n_frames
             self.stamps_s: np.ndarray | None = self._index.stamps_s
             self.is_variable_rate = self._index.is_variable_rate
+            self.filmed_fps = _filmed_fps(self._container)
             self._coded = self._stream.width, self._stream.height
             size = max(self._coded[0] * self._coded[1] * 2, 1)
             self._block = min(max(_BLOCK_BYTES // (n_files * size), 4), 64)
@@ -377,6 +380,15 @@ class VideoFile:
                 self._turn, self._is_looked_at = turn_of_frame(frame), True
                 self._is_interlaced = frame.interlaced_frame
         return picture if self._turn is None else TurnedPicture(picture, self._turn)
+
+
+def _filmed_fps(container: av.container.InputContainer) -> float | None:
+    """Return the rate that Android's cameras write beside a film, also one in slow motion."""
+    try:
+        rate = float(container.metadata.get("com.android.capture.fps", ""))
+    except ValueError:
+        return None
+    return rate if 0.0 < rate < float("inf") else None
 
 
 def _films(container: av.container.InputContainer) -> list[av.video.stream.VideoStream]:

@@ -75,7 +75,7 @@ class PictureFolder:
         Number and size of the pictures, px.
     is_colour : bool
         Whether the first picture is in colour.
-    stamps_s : None
+    stamps_s, filmed_fps : None
         Pictures carry no time.
     is_variable_rate : bool
         False.
@@ -106,6 +106,7 @@ class PictureFolder:
         self.width, self.height = first.width, first.height
         self.is_colour = first.is_colour
         self.stamps_s: np.ndarray | None = None
+        self.filmed_fps: float | None = None
         self.is_variable_rate = False
 
     def grab(self, index: int, *, partly: bool = False) -> Picture:  # noqa: ARG002

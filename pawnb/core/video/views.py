@@ -38,6 +38,7 @@ class Source(Protocol):
     notes: list[str]
     stamps_s: np.ndarray | None
     is_variable_rate: bool
+    filmed_fps: float | None
 
     def grab(self, index: int, *, partly: bool = False) -> Picture:
         """Return the picture of that number; safe to call from any thread.

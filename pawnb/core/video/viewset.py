@@ -22,6 +22,10 @@ _MANY = 0.05
 _FASTER = 1.5
 """How many times as fast as it was filmed a film may be played before it is said."""
 
+_OTHER_FPS = 1.2
+"""How many times the rate that a camera wrote into its file may differ before it is said: phones
+write 30 for 29.97, and films in slow motion 120 or 240 that are played at 30."""
+
 READ_AHEAD = 4
 """Frames of each view that may wait, decoded, for whoever asked for them."""
 
@@ -222,6 +226,15 @@ class ViewSet(Closing):
         notes: dict[str, None] = {}
         for name, reader in self.readers.items():
             notes.update(dict.fromkeys(reader.source.notes))
+            filmed = reader.source.filmed_fps
+            if filmed is not None and not 1 / _OTHER_FPS < filmed / self._fps < _OTHER_FPS:
+                note = (
+                    f"{name}: the file says that it was filmed with {filmed:.4g} frames/s, but fps "
+                    f"is {self._fps:.4g}: speeds and durations are wrong by as much. Mend fps, or "
+                    "leave it where the film was brought to another rate afterwards."
+                )
+                notes[note] = None
+                continue
             if reader.is_variable_rate:
                 notes[f"{name}: the frame rate varies ({self._time_note(reader)}."] = None
             elif reader.file_fps > _FASTER * self._fps:

@@ -77,7 +77,7 @@ def ask_new_trial(
     put = _Questions(ask, say)
     named = tuple(videos) or put("Video files, one a view, with commas between", _some_names)
     made = new_trial(named, folder)
-    notes = _look_at(made)
+    notes, filmed = _look_at(made)
     say(f"A new trial in {made.path}; Enter takes what stands in [brackets].")
     for note in notes:
         say(f"  {note}")
@@ -88,7 +88,8 @@ def ask_new_trial(
     made.animal = put("Which animal", choose_animal, default="1")
     if made.animal.has_points and not made.animal.points:
         made.points = put("Points to track, with commas between", _some_names)
-    made.fps = put("Frames filmed in a second (of the recording, not of its play-back)", _positive)
+    rate = "Frames filmed in a second (of the recording, not of its play-back)"
+    made.fps = put(rate, _positive, default=filmed)
     _ask_calibration(made, put)
     made.belt_speed = put(f"Speed of the treadmill in {made.unit} a second (Enter: none)", _perhaps)
     for view in made.views:
@@ -98,8 +99,11 @@ def ask_new_trial(
     return made.write()
 
 
-def _look_at(made: NewTrial) -> list[str]:
-    """Refuse what cannot be used before anything is asked; return what is known of the videos."""
+def _look_at(made: NewTrial) -> tuple[list[str], str]:
+    """Refuse what cannot be used before anything is asked; return what is known of the videos.
+
+    The second is the rate at which the camera says that it filmed; empty where it says none.
+    """
     if made.folder.is_dir() and not os.access(made.folder, os.W_OK):
         raise InputError(
             f"{made.folder}: nothing can be written in this folder; name another for trial.toml "
@@ -108,7 +112,9 @@ def _look_at(made: NewTrial) -> list[str]:
     with made.open_whole() as views:
         notes = [note for reader in views.readers.values() for note in reader.source.notes]
         notes += [f"{text}." for text in tell_same_films(views)]
-    return list(dict.fromkeys(notes))
+        rates = [reader.source.filmed_fps for reader in views.readers.values()]
+    filmed = f"{rates[0]:g}" if rates[0] is not None else ""
+    return list(dict.fromkeys(notes)), filmed
 
 
 def _ask_calibration(made: NewTrial, put: _Questions) -> None:

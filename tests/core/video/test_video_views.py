@@ -5,13 +5,15 @@ from __future__ import annotations
 import gc
 import threading
 import weakref
+from dataclasses import replace
 
+import av
 import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from video_clips import barcode, damage, packet_bytes, write_clip, write_h264, write_mjpeg
+from video_clips import barcode, damage, packet_bytes, picture, write_clip, write_h264, write_mjpeg
 
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.video import VideoFile, open_view, open_views
@@ -302,3 +304,20 @@ def test_one_film_given_for_two_views_is_said(tmp_path):
     with open_views(trial_of(tmp_path, *views)) as opened:
         (said,) = tell_same_films(opened)
     assert said.startswith("the films of views a and b begin with the same picture: one film seems")
+
+
+@pytest.mark.parametrize(("fps", "is_said"), [(30.0, True), (240.0, False), (960.0, True)])
+def test_a_film_in_slow_motion_that_says_how_it_was_filmed_is_compared(tmp_path, fps, is_said):
+    """Android writes com.android.capture.fps: with 30 given strides were eight times too long."""
+    tagged = {"movflags": "use_metadata_tags"}
+    with av.open(str(tmp_path / "cam1.mp4"), "w", options=tagged) as container:
+        container.metadata["com.android.capture.fps"] = "240.000000"
+        stream = container.add_stream("mpeg4", rate=30)
+        stream.width, stream.height, stream.pix_fmt = 160, 64, "yuv420p"
+        for k in range(6):
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(picture(k), format="rgb24")))
+        container.mux(stream.encode())
+    trial = trial_of(tmp_path, View(name="cam1", video="cam1.mp4"))
+    with open_views(replace(trial, fps=fps)) as views:
+        said = [note for note in views.notes if "filmed with 240 frames/s" in note]
+    assert len(said) == is_said
