@@ -8,9 +8,13 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import as_word
+from pawnb.io.recognise import find_format
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
+
+_OWN_FORMATS = ("csv", "csv-3d", "pawnb")
 
 
 def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
@@ -47,6 +51,7 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     2
     """
     where = Path(path).name
+    _refuse_other_programs(Path(path), trial)
     cells = read_cells(path, START_COLUMNS)
     table = pd.DataFrame(
         {
@@ -122,6 +127,28 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     """
     check_columns(start, START_COLUMNS, where="start clicks")
     return write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
+
+
+def _refuse_other_programs(path: Path, trial: Trial) -> None:
+    """Refuse points that another program wrote, and say how they become start clicks."""
+    views = ", ".join(view.name for view in trial.views)
+    expected = f"expected a csv table with the columns {', '.join(START_COLUMNS)}"
+    if path.suffix.lower() == ".json" and path.is_file():
+        raise InputError(
+            f"{path.name}: a JSON file, as COCO and Label Studio write it, which is not read; "
+            f"{expected}, in px of the views ({views}). Label Studio counts in percent of the "
+            "picture."
+        )
+    try:
+        found = find_format(path)
+    except InputError:
+        return  # said where the table itself is read
+    if found not in (None, *_OWN_FORMATS):
+        raise InputError(
+            f"{path.name}: points of another program ({found}); {expected}. Turn it into one with: "
+            f"pawnb convert {as_word(path.name)} start.csv --to csv --fps {trial.fps:g}; write the "
+            f"trial's views ({views}) into its column view, and leave out rows without a place."
+        )
 
 
 def _check_clicks(table: pd.DataFrame, trial: Trial, where: str) -> None:

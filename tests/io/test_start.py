@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
+import pawnb
 from pawnb.errors import InputError
 from pawnb.io.start import check_start, read_start, write_start
 from pawnb.trial import Animal, Trial, View
@@ -155,3 +156,43 @@ def test_clicks_from_a_widget_are_checked_like_a_file(tmp_path, trial):
     start.loc[2, "u"] = float("nan")
     with pytest.raises(InputError, match=r"^start clicks: view cam2, point FR has u = nan, v = 6"):
         check_start(start, trial, SIZES)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        (
+            "CollectedData_me.csv",
+            "scorer,,,me,me\nbodyparts,,,FR,FR\ncoords,,,x,y\nlabeled-data,film,img05.png,3,4\n",
+            r"points of another program \(collected\)",
+        ),
+        ("run_xypts.csv", "pt1_cam1_X,pt1_cam1_Y\n3,4\n", r"points of another program \(dltdv\)"),
+        ("clicks.json", '[{"data": {"img": "f.png"}}]', "a JSON file, as COCO and Label Studio"),
+    ],
+)
+def test_clicks_of_other_programs_are_refused_with_what_makes_them_clicks(
+    tmp_path, trial, name, text, message
+):
+    """DeepLabCut's labels: 'column me is there twice; keep one of them'."""
+    (tmp_path / name).write_text(text)
+    with pytest.raises(InputError, match=message) as caught:
+        read_start(tmp_path / name, trial)
+    assert "the columns frame, view, point, u, v" in str(caught.value)
+    if name.endswith("csv"):
+        assert f"pawnb convert {name} start.csv --to csv --fps" in str(caught.value)
+
+
+def test_what_convert_makes_of_labels_is_read_as_clicks(tmp_path):
+    """The way that the refusal names, as it names it."""
+    labels = tmp_path / "CollectedData_me.csv"
+    labels.write_text(
+        "scorer,,,me,me,me,me\nbodyparts,,,FR,FR,HR,HR\ncoords,,,x,y,x,y\n"
+        "labeled-data,film,img05.png,3,4,5,6\n"
+    )
+    (made,) = pawnb.convert_tracks(labels, tmp_path / "start.csv", to="csv", fps=50.0)
+    made.write_text(made.read_text().replace(",image,", ",side,"))
+    views = (View(name="side", video="1.avi", points=("FR", "HR")),)
+    trial = Trial(kind="paws", name="t", fps=50.0, animal=Animal(id="m"), views=views)
+    clicks = read_start(made, trial)
+    assert clicks["frame"].tolist() == [5, 5]
+    assert clicks[["u", "v"]].to_numpy().tolist() == [[3, 4], [5, 6]]
