@@ -5,7 +5,8 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,14 +63,15 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
             )
         study = read_study(studies[0])
         check_settings(study.settings, where=f"{study.path}: [gait]")
-        return _each_once([_of_study(trial, study, fps) for trial in study.trials]), study
+        read = [(str(trial.path), partial(_of_study, trial, study, fps)) for trial in study.trials]
+        return _each_once(_read_all(read)), study
     for name, given in (("animals", animals), ("groups", groups)):
         if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
             raise InputError(
                 f"{name}: {len(given)} for {len(inputs)} inputs; give the "
                 f"{'id' if name == 'animals' else 'group'} of each input's animal."
             )
-    sources = [_of_input(path, fps) for path in inputs]
+    sources = _read_all([(str(path), partial(_of_input, path, fps)) for path in inputs])
     if animals is not None:
         sources = [s.of_animal(animal) for s, animal in zip(sources, animals, strict=True)]
     if groups is not None:
@@ -78,6 +80,25 @@ def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
             for source, group in zip(sources, groups, strict=True)
         ]
     return _each_once(sources), None
+
+
+def _read_all(inputs: Sequence[tuple[str, Callable[[], GaitSource]]]) -> list[GaitSource]:
+    """Read inputs, by name; where several cannot be, name them all at once."""
+    sources, faults = [], {}
+    for name, read in inputs:
+        try:
+            sources.append(read())
+        except InputError as fault:
+            faults[name] = fault
+    first = next(iter(faults.values()), None)
+    if first is None:
+        return sources
+    if len(faults) == 1:
+        raise first
+    raise InputError(
+        f"{len(faults)} of {len(inputs)} inputs cannot be used: {', '.join(faults)}. Mend them, or "
+        f"leave them out. Of the first: {first}"
+    ) from first
 
 
 def _each_once(sources: list[GaitSource]) -> list[GaitSource]:

@@ -15,6 +15,7 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.gait.events.event_edits import EventEdits, ExcludeStride, MoveEvent
 from pawnb.io.native import points3d_table, write_tracks
 from pawnb.io.tables import write_table
+from pawnb.synthetic import write_deeplabcut_sample
 from pawnb.workflow.gait.run import run_gait
 
 
@@ -207,6 +208,17 @@ def test_what_keeps_a_table_from_being_read_is_said(tmp_path, content, said):
 def test_an_untracked_trial_says_so(rendered_trial):
     with pytest.raises(InputError, match=r"is not tracked yet; run pawnb track first"):
         run_gait([rendered_trial])
+
+
+def test_all_inputs_that_cannot_be_used_are_named_at_once(rendered_trial, tmp_path):
+    """Of 500 trials the first that was not tracked was named, then the next, run by run."""
+    sample = write_deeplabcut_sample(tmp_path / "dlc", animals=1)[0]
+    lost = tmp_path / "lost.csv"
+    with pytest.raises(InputError) as caught:
+        run_gait([sample, rendered_trial, lost], fps=200.0)
+    said = str(caught.value)
+    assert said.startswith(f"2 of 3 inputs cannot be used: {rendered_trial}, {lost}. Mend them")
+    assert "is not tracked yet; run pawnb track first" in said
 
 
 @pytest.mark.slow
