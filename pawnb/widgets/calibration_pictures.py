@@ -19,6 +19,7 @@ from pawnb.core.calibration.rig_from_boards import (
     BoardFit,
     Sightings,
     calibrate_by_boards,
+    sides_in_space,
     tell_disagreement,
 )
 from pawnb.core.calibration.scene_lines import scene_lines
@@ -27,7 +28,7 @@ from pawnb.io.boards import Board
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.widgets.calibration_clicks import CalibrationDraft
 from pawnb.widgets.calibration_points import ASIDE_COLOUR
-from pawnb.workflow.calibration.board import find_boards, numbered, sides_in_space
+from pawnb.workflow.calibration.board import find_boards, numbered
 from pawnb.workflow.calibration.written import Written, write_calibration
 
 PICTURE_FILE = "calibration_pictures.csv"

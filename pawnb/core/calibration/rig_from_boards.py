@@ -15,8 +15,10 @@ from pawnb.core.calibration.bundle import Adjusted, Boards, ViewObservations, ad
 from pawnb.core.calibration.corners import FEWEST_CORNERS
 from pawnb.core.calibration.intrinsics import LensFit, fit_lens
 from pawnb.core.calibration.optics import OPTICS_COLUMNS, POSE, camera_of_row, moved, row_of_camera
+from pawnb.core.dlt import triangulate
+from pawnb.core.lens import Lens
 from pawnb.errors import CalibrationError
-from pawnb.io.cameras import Camera
+from pawnb.io.cameras import Camera, coefs_of_cameras
 
 OUTLYING = 3.0
 """A shot of a view is outlying where its error is that many times the median of all (by hand)."""
@@ -361,3 +363,34 @@ def _floor(shots: pd.DataFrame, floor: int | None, *, n_shots: int) -> int:
             "(counted from 0), no view found it, or it does not agree with the others."
         )
     return floor
+
+
+def sides_in_space(fit: BoardFit, corners: FloatArray) -> FloatArray:
+    """Return distances of neighbouring corners that were triangulated, without rigid boards.
+
+    Parameters
+    ----------
+    fit : BoardFit
+        The cameras and what they saw.
+    corners : ndarray, shape (n_corners, 3)
+        Corners on the board.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Lengths in the unit of the board, of corners that two views or more saw.
+    """
+    straight = np.stack(
+        [
+            Lens(matrix=tuple(map(tuple, c.matrix)), distortion=c.distortion or (0.0,) * 5)
+            .straighten(fit.uv[v])
+            for v, c in enumerate(fit.cameras)
+        ],
+        axis=-2,
+    )  # fmt: skip
+    coefs, _ = coefs_of_cameras(fit.cameras)
+    xyz = triangulate(coefs, straight, even=True).xyz
+    step = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    beside = np.isclose(step, step.min())
+    sides = np.linalg.norm(np.diff(xyz, axis=1), axis=-1)[:, beside]
+    return sides[np.isfinite(sides)]

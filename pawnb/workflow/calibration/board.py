@@ -11,7 +11,6 @@ import cv2
 import numpy as np
 import pandas as pd
 
-from pawnb.arrays import FloatArray
 from pawnb.core.calibration.corners import FEWEST_CORNERS, CornerFinder, other_boards
 from pawnb.core.calibration.rig_from_boards import (
     BoardFit,
@@ -19,15 +18,14 @@ from pawnb.core.calibration.rig_from_boards import (
     calibrate_by_boards,
     find_outlying_views,
     judge_by_boards,
+    sides_in_space,
     tell_disagreement,
 )
-from pawnb.core.dlt import triangulate
-from pawnb.core.lens import Lens
 from pawnb.core.video import ViewReader, open_view
 from pawnb.core.video.pictures import PictureFolder
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.io.boards import Board, read_board
-from pawnb.io.cameras import coefs_of_cameras, read_cameras
+from pawnb.io.cameras import read_cameras
 from pawnb.trial import View
 from pawnb.workflow.calibration.written import Written, find_copies, write_calibration
 
@@ -390,34 +388,3 @@ def _result(
     return BoardCalibration(
         fit=fit, sides=sides, square=square, remarks=tuple(remarks), written=written
     )
-
-
-def sides_in_space(fit: BoardFit, corners: FloatArray) -> FloatArray:
-    """Return distances of neighbouring corners that were triangulated, without rigid boards.
-
-    Parameters
-    ----------
-    fit : BoardFit
-        The cameras and what they saw.
-    corners : ndarray, shape (n_corners, 3)
-        Corners on the board.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Lengths in the unit of the board, of corners that two views or more saw.
-    """
-    straight = np.stack(
-        [
-            Lens(matrix=tuple(map(tuple, c.matrix)), distortion=c.distortion or (0.0,) * 5)
-            .straighten(fit.uv[v])
-            for v, c in enumerate(fit.cameras)
-        ],
-        axis=-2,
-    )  # fmt: skip
-    coefs, _ = coefs_of_cameras(fit.cameras)
-    xyz = triangulate(coefs, straight, even=True).xyz
-    step = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-    beside = np.isclose(step, step.min())
-    sides = np.linalg.norm(np.diff(xyz, axis=1), axis=-1)[:, beside]
-    return sides[np.isfinite(sides)]

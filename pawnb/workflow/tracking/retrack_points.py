@@ -21,6 +21,7 @@ from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
+from pawnb.core.video import ViewSet
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, add_provenance
 from pawnb.trial import Trial
@@ -96,13 +97,12 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
             store = _kept_detections(trial, asked.out, stack)
             given = {"annotations": looked, "kept": KeptEvidence(store)}
         span = (int(known[0] if joint else frame), int(known[-1]) + 1)
-        found: dict[str, Any] = {}
+        others: dict[str, Any] = {}
         if tracker.is_offline:
-            found["predictions"] = predictions_for(trial, views, clicks, frames=span)
-            found["evidence"] = point_trackers(trial, asked.stop)
+            others = _evidence_of_others(trial, views, clicks, span, asked)
         task = paw_task(
             trial, rig, clicks, frames=span, tracks=None if joint else tracks,
-            progress=run.report, stop=asked.stop, **found,
+            progress=run.report, stop=asked.stop, **others,
         )  # fmt: skip
         corrected = Correction(learnt, **given)
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
@@ -122,6 +122,16 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         new, trial, settings=dataclasses.asdict(settings) | by_dotted_name(own), frame=int(frame),
         points=placed, learn=asked.learn, start=clicks.to_dict(orient="records"),
     )  # fmt: skip
+
+
+def _evidence_of_others(
+    trial: Trial, views: ViewSet, clicks: pd.DataFrame, span: tuple[int, int], asked: RetrackOptions
+) -> dict[str, Any]:
+    """Return what other programs predict, and further kinds of evidence."""
+    return {
+        "predictions": predictions_for(trial, views, clicks, frames=span),
+        "evidence": point_trackers(trial, asked.stop),
+    }
 
 
 def _kept_detections(
