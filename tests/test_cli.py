@@ -94,6 +94,7 @@ def test_tracking_again_says_which_corrections_the_new_tracks_lack(small_trial, 
     assert "look: 1 correction is not in the tracks; open the review and press Save" in said
 
 
+@pytest.mark.slow
 def test_the_next_command_can_be_copied_where_folders_have_blanks(tmp_path, capsys):
     out = tmp_path / "my mice"
     _, said, _ = run(capsys, "demo", "paws", "--out", out, "--frames", 2, "--scale", 0.06)

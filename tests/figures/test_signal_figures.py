@@ -36,6 +36,7 @@ def signals():
     )
 
 
+@pytest.mark.slow
 def test_residual_table_is_that_of_each_signal_and_of_all():
     table = build_residual_analysis_table(signals(), fs_hz=FS)
     assert table["signal"].unique().tolist() == ["L1", "R1", "pooled"]

@@ -47,6 +47,7 @@ def test_mixed_model_and_intraclass_correlation(cycles):
     assert 0.0018 < slope["p"] < 0.01
 
 
+@pytest.mark.slow
 def test_contact_told_from_positions_agrees_with_the_hand_on_a_fly(real_data):
     """A fly on a ball at 100 frames per second: events from the claws against contact by hand."""
     folder = real_data("fly-6leg-contact")

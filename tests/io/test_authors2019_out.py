@@ -60,6 +60,7 @@ def test_what_was_written_is_read(tmp_path):
     assert np.isnan(found["image_position"].isel(time=2)).all()
 
 
+@pytest.mark.slow
 def test_their_own_trials_come_back(real_data, tmp_path):
     folder = real_data("rat-4cam-tracks")
     stamps = list_authors_trials(folder)

@@ -110,6 +110,7 @@ def test_nothing_but_compiling_is_said_before_the_first_frame(monkeypatch):
         assert "tracking, compiling (first run only)" in terminal.getvalue()
 
 
+@pytest.mark.slow
 def test_a_caller_is_told_in_words_what_is_waited_for():
     told = []
 

@@ -26,6 +26,7 @@ def clicks(seed, bend=0.0):
     return uv[:, 0] + np.random.default_rng(seed).normal(0.0, 0.5, (len(XYZ), 2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("bend", [0.0, -0.2])
 def test_good_clicks_are_not_doubted(bend):
     said = [doubt_points(NAMES, XYZ, clicks(seed, bend), view="side") for seed in range(40)]

@@ -70,6 +70,7 @@ def test_only_the_corrected_point_is_tracked_again_until_it_meets_the_old_track(
         np.testing.assert_array_equal(again[name].sel(hr)[40:], wrong[name].sel(hr)[40:])
 
 
+@pytest.mark.slow
 def test_the_stretch_ends_at_the_next_correction_of_the_same_point_only(scene):
     wrong = spoil(run(scene), "HR", slice(10, 60))
     put_right(wrong, scene, "HR", 14)

@@ -193,6 +193,7 @@ def test_unknown_belt_speed_comes_from_the_feet():
     assert tables.strides["speed"].mean() == pytest.approx(300.0, rel=0.01)
 
 
+@pytest.mark.slow
 def test_short_gaps_are_bridged_and_marked_long_ones_drop_strides():
     walk = Walk(duty=0.6)
     tracks = walk.tracks()
@@ -382,6 +383,7 @@ def test_result_is_the_same_every_time():
         pd.testing.assert_frame_equal(getattr(one, name), getattr(two, name))
 
 
+@pytest.mark.slow
 def test_pooling_counts_animals_and_refuses_doubles():
     parts = [
         analyse(Walk().tracks(seed=i, noise=0.5), belt_speed=300.0,
@@ -515,6 +517,7 @@ def test_a_table_of_belt_speed_that_is_none_is_said(tmp_path):
         analyse(Walk().tracks(), trial=trial)
 
 
+@pytest.mark.slow
 def test_a_note_on_one_of_several_animals_says_whose_it_is():
     tracks = Walk().tracks(treadmill=True)
     short = tracks.copy(deep=True).assign_coords(individual=["brief"])
@@ -530,6 +533,7 @@ def test_a_note_on_one_of_several_animals_says_whose_it_is():
     assert analyse(alike, belt_speed=300.0).notes == analyse(tracks, belt_speed=300.0).notes
 
 
+@pytest.mark.slow
 def test_what_is_shown_of_the_tables_is_short_however_many_there_are():
     walk = Walk(duty=0.6)
     trials = [make_trial(animal=Animal(id=f"m{k}")) for k in range(3)]

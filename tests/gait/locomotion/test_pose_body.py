@@ -100,6 +100,7 @@ def test_leg_angles_are_a_table(run):
     assert table["time_s"].iloc[0] == poses.frames[0] / 125
 
 
+@pytest.mark.slow
 def test_the_joint_at_the_body_is_found_whatever_a_species_file_calls_it(run):
     """An insect's is ThC: without it the body was the mean of the feet, and nothing said so."""
     trial, *_ = run

@@ -40,6 +40,7 @@ def entering(tmp_path_factory):
     return load_trial(folder), true, tracks
 
 
+@pytest.mark.slow
 def test_where_few_legs_are_seen_nothing_steps(entering):
     trial, true, tracks = entering
     expected = gait.analyse(true.isel(time=slice(N_UNSEEN, None)), trial=trial)
@@ -76,6 +77,7 @@ def test_legs_hidden_in_between_and_poses_by_hand_stay(entering):
     assert seen_part(nothing)[0].sizes["time"] == tracks.sizes["time"]
 
 
+@pytest.mark.slow
 def test_each_of_several_animals_is_seen_for_a_time_of_its_own(entering):
     """The one that stays kept the other's frames in which nothing of it is in the picture."""
     trial, true, tracks = entering
@@ -95,6 +97,7 @@ def test_each_of_several_animals_is_seen_for_a_time_of_its_own(entering):
     )
 
 
+@pytest.mark.slow
 def test_a_leg_out_of_sight_by_itself_at_an_end_makes_no_steps_there(entering):
     trial, true, _ = entering
     n, places = 40, [str(point) for point in true["keypoint"].to_numpy()]

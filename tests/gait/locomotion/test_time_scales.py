@@ -11,6 +11,7 @@ from walking import Walk
 from pawnb.gait import analyse
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fps", "period", "share"),
     [(250.0, 0.25, 0.0), (250.0, 0.25, 0.08), (250.0, 0.25, 0.1), (500.0, 0.1, 0.08)],

@@ -281,6 +281,7 @@ def test_tracks_that_are_there_are_read(small_trial):
     assert doubt.startswith(f"{results}: not as pawnb track left it (missing: tracks.nc)")
 
 
+@pytest.mark.slow
 def test_tracks_of_pictures_that_lay_on_their_side_are_told(small_trial):
     """Made before pawnb heeded how a phone was held, or with the flag taken out of the file."""
     trial = load_trial(small_trial)

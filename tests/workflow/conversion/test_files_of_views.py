@@ -194,6 +194,7 @@ def test_coefficients_and_points_for_dltdv_are_moved_together(tmp_path):
         )
 
 
+@pytest.mark.slow
 def test_check_and_gait_take_a_file_a_view(tmp_path, capsys):
     n = 200
     t = np.arange(n) / 100.0

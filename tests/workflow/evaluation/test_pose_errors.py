@@ -140,6 +140,7 @@ def _tip(poses, frame, column, turn):
     return tip_positions(ANIMAL, changed(one, angles_deg=angles))[0]
 
 
+@pytest.mark.slow
 def test_a_leg_on_its_neighbours_place_is_a_swap():
     truth = run(40)
     poses = with_tip_on(truth, "L2", "L1", [5, 6, 7, 10, 20])

@@ -41,6 +41,7 @@ def write_study(folder, column, members, **own):
     return rows
 
 
+@pytest.mark.slow
 def test_numbers_that_groups_share_are_said_to_count_as_the_same_animals(tmp_path):
     rows = write_study(tmp_path, "group", {"wt": ["1", "2", "3"], "ko": ["1", "2", "3"]})
     notes, methods, found = analyse(tmp_path, rows)
@@ -57,6 +58,7 @@ def test_numbers_that_groups_share_are_said_to_count_as_the_same_animals(tmp_pat
     assert "The design is unpaired;" in methods
 
 
+@pytest.mark.slow
 def test_a_trial_in_a_wrong_group_is_seen_in_the_notes(tmp_path):
     rows = write_study(tmp_path, "group", {"ctl": ["a", "b", "c"], "les": ["c", "d", "e"]})
     notes, _, _ = analyse(tmp_path, rows)
@@ -65,6 +67,7 @@ def test_a_trial_in_a_wrong_group_is_seen_in_the_notes(tmp_path):
     assert "a, b, d, e, of one group only, left out" in note
 
 
+@pytest.mark.slow
 def test_strides_of_an_animal_without_partner_do_not_count(tmp_path):
     rows = write_study(tmp_path, "condition", {"before": ["a", "b", "c", "d"], "after": "abc"})
     notes, methods, found = analyse(tmp_path, rows)
@@ -76,6 +79,7 @@ def test_strides_of_an_animal_without_partner_do_not_count(tmp_path):
     assert "The design is paired (3 animals in both before and after)" in methods
 
 
+@pytest.mark.slow
 def test_groups_that_share_no_animal_do_not_keep_others_from_being_compared(tmp_path):
     members = {"before": "abc", "after": "abc", "naive": "xyz"}
     _, _, found = analyse(tmp_path, write_study(tmp_path, "group", members))
@@ -88,6 +92,7 @@ def test_groups_that_share_no_animal_do_not_keep_others_from_being_compared(tmp_
     assert own["note"].iloc[1] == "no animal is in both conditions: not compared"
 
 
+@pytest.mark.slow
 def test_conditions_that_are_not_told_apart_are_named(tmp_path):
     rows = []
     for condition in ("before", "after"):
@@ -105,6 +110,7 @@ def test_conditions_that_are_not_told_apart_are_named(tmp_path):
     assert not [note for note in notes if "not told apart" in note]
 
 
+@pytest.mark.slow
 def test_stances_by_position_beside_stances_by_contact_are_said(tmp_path):
     rows = write_study(tmp_path, "group", {"ctl": "abc", "les": "xyz"})
     notes, _, _ = analyse(tmp_path, rows)
@@ -118,6 +124,7 @@ def test_stances_by_position_beside_stances_by_contact_are_said(tmp_path):
     assert note.startswith(f"stance is from {by_contact} and AEP to PEP in les-x, les-y, les-z: ")
 
 
+@pytest.mark.slow
 def test_what_does_not_vary_between_animals_is_not_tested(tmp_path):
     """Whole frames at a low rate: all animals of a group have one duty factor."""
     rows = []

@@ -29,6 +29,7 @@ def notes(files, out, **options):
     return run, [str(note) for note in run.tables.notes]
 
 
+@pytest.mark.slow
 def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_hold(sample):
     one, two = sample / "m01DLC.csv", sample / "m02DLC.csv"
     smooth = sample / "m01DLC_resnet50_May1shuffle1_1000_filtered.csv"
@@ -45,6 +46,7 @@ def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_ho
     assert same[0].startswith("m01DLC.csv (m01) and again.csv (again) hold the same tracks")
 
 
+@pytest.mark.slow
 def test_the_first_lines_count_animals_and_not_strides(sample):
     """m02 is given half of its frame rate, and repeats: most strides are at half the frequency."""
     rows = ["file,animal,fps", "m01DLC.csv,m01,200", "m02DLC.csv,m02,100"]
@@ -76,6 +78,7 @@ def test_animals_of_several_files_with_several_are_named_apart(real_data, tmp_pa
             run_gait(files, fps=100.0, out=tmp_path / "c", animals=[wrong, "c+d"])
 
 
+@pytest.mark.slow
 def test_a_unit_that_a_file_does_not_say_is_said_to_be_taken_and_can_be_told(real_data, tmp_path):
     file = real_data("peer-files") / "anipose_3d.csv"
     taken = "lengths of anipose_3d.csv are taken to be in mm"
@@ -113,6 +116,7 @@ def test_what_makes_trials_unlike_is_said_and_what_all_share_once(tmp_path):
     assert (tmp_path / "out" / "notes.csv").read_text().count(low) == 5
 
 
+@pytest.mark.slow
 def test_a_leg_without_a_place_in_space_is_named_with_what_to_do(tmp_path):
     walk = walking_tracks("t1", "m1")
     frames, points = walk["frame"].to_numpy(), [str(p) for p in walk["keypoint"].to_numpy()]
@@ -139,6 +143,7 @@ def bare_tracks():
     return tracks
 
 
+@pytest.mark.slow
 def test_pieces_of_one_track_are_told_as_they_would_count_as_animals(tmp_path):
     both = bare_tracks().isel(individual=[0, 0]).copy(deep=True)
     both = both.assign_coords(individual=["track_0", "track_1"])
@@ -151,6 +156,7 @@ def test_pieces_of_one_track_are_told_as_they_would_count_as_animals(tmp_path):
     assert any("pieces.nc: track_0 and track_1 are never seen in one frame" in n for n in said)
 
 
+@pytest.mark.slow
 def test_rows_that_are_no_frames_of_the_film_are_told(tmp_path):
     tracks = bare_tracks()
     table = tracks["position"].isel(individual=0)
@@ -183,6 +189,7 @@ def test_points_of_views_are_in_px_and_nothing_is_said_of_mm(sample):
     assert not any("taken to be in mm" in note for note in said)
 
 
+@pytest.mark.slow
 def test_trials_of_one_name_are_told_apart_and_names_spelt_alike_are_told(tmp_path):
     """Every animal has a day1; of one its left hind paw was not labelled."""
     files = write_deeplabcut_sample(tmp_path / "s", animals=4, seconds=1.5)

@@ -115,6 +115,7 @@ def test_a_scale_that_comes_later_changes_or_goes(trial):
     np.testing.assert_allclose(back["position"], tracks["position"])
 
 
+@pytest.mark.slow
 def test_a_belt_speed_that_was_wrong(trial, recwarn):
     """The tracks carry that which was stated when they were made."""
     slow = tracked(replace(trial, belt_speed=100.0))
@@ -147,6 +148,7 @@ def test_clicks_and_calibrations_that_were_changed_need_tracking_again(trial):
         assert as_described_now(tracks, trial) is tracks
 
 
+@pytest.mark.slow
 def test_corrections_that_were_not_saved_are_not_passed_over(trial, recwarn):
     (trial.folder / "results").mkdir()
     write_tracks(tracked(trial), trial.folder / "results" / "tracks.nc")

@@ -6,6 +6,7 @@ import json
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE
@@ -51,6 +52,7 @@ def test_tracking_shows_paws_in_the_views_of_the_other_side(rendered_trial):
     assert (again["image_origin"].sel(own) == ORIGIN_CODE["reprojected"]).all()
 
 
+@pytest.mark.slow
 def test_far_paws_appear_in_the_other_views_and_are_not_judged(rendered_trial, tmp_path):
     tracks = without_reprojected(
         track(rendered_trial, method="slic-3d", frames=(0, 3), progress=silent)

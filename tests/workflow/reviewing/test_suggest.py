@@ -223,6 +223,7 @@ def test_what_cannot_be_suggested_is_said(trial):
         pawnb.suggest_frames(trial, tracks)
 
 
+@pytest.mark.slow
 def test_the_command_prints_a_table_or_json(trial, capsys):
     assert cli.main(["suggest", str(trial.folder)]) == 2
     assert f"no such tracks; run pawnb track {trial.folder} first." in capsys.readouterr().err

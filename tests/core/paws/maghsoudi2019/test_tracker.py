@@ -103,6 +103,7 @@ def test_without_calibration_the_position_is_of_one_view_only(make_scene):
     np.testing.assert_array_equal(tracks["position"].sel(keypoint="FR"), first.sel(keypoint="FR"))
 
 
+@pytest.mark.slow
 def test_each_view_tracks_its_own_points(make_scene):
     scene = make_scene(("FR", "HR", "FL", "HL"), angles=(-20, 20, -10, 10))
     own = {"cam1": ("FR", "HR"), "cam2": ("FR", "HR"), "cam3": ("FL", "HL"), "cam4": ("FL", "HL")}
@@ -146,6 +147,7 @@ def test_calibration_carries_a_point_past_the_edge_of_one_view(make_scene):
     assert np.isfinite(space_error(tracks, scene)[alone, 1]).all()
 
 
+@pytest.mark.slow
 def test_point_hidden_at_the_start_is_found_where_two_views_have_it(make_scene):
     scene = make_scene(angles=(-30, 0, 30))
     scene.hidden = {(i, "cam3", "HR") for i in range(8)}

@@ -71,6 +71,7 @@ def test_standard_deviations_are_of_the_size_of_the_errors(walk, track):
     assert error.max() < 10 * track.xy_sd_px[:11].max()
 
 
+@pytest.mark.slow
 def test_progress_counts_up_and_stop_ends_early(walk):
     animal, poses, reader, background = walk
     seen = []

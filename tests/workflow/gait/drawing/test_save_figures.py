@@ -69,6 +69,7 @@ def test_one_leg_is_no_error(tmp_path, only_png):
     assert {"phase_rose", "phase_histogram", "phase_speed"} <= set(absent)
 
 
+@pytest.mark.slow
 def test_a_style_that_was_set_is_in_the_recipe(tmp_path, only_png):
     tables = analyse_events(events())
     try:

@@ -111,6 +111,7 @@ def test_where_the_linear_relaxation_is_not_integer_the_integer_programme_is_sol
     assert identities._cheapest(cost, np.zeros(3, int), [pairs]) == pytest.approx([0.5, 0.5, 0.5])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [0.0, 1.0, 3.0, 20.0])
 def test_names_are_as_sure_as_gains_tell_them_apart(more):
     """Of two paths the one that gains ``more`` is drawn in 1 of 1 + exp(-more / scale) samples.
