@@ -202,11 +202,9 @@ def _extremes_of_feet(
     extremes, rejected = [], []
     going = np.where(standing[:, None], np.nan, position)
     for column, least in zip(going.T, least_excursions(going, settings), strict=True):
-        if not least:
-            found: tuple[list[Extreme], list[Rejected]] = (
-                [],
-                [],
-            )  # never seen, or held still
+        found: tuple[list[Extreme], list[Rejected]]
+        if not least:  # never seen, or held still
+            found = [], []
         else:
             found = find_extremes(
                 column,
