@@ -30,6 +30,7 @@ from pawnb.workflow.gait.inputs import (
     read_sources,
     tracks_of,
 )
+from pawnb.workflow.gait.replaced import other_inputs, tell_replaced
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
 from pawnb.workflow.gait.source_notes import notes_on_sources, notes_on_trials, say_whose_trial
 from pawnb.workflow.gait.sources import GaitSource
@@ -226,6 +227,7 @@ def carry_out(
         step = record_of(
             request, sources, edits, tables=tables, study=study, command=command, again=again
         )
+        replaced = other_inputs(folder, step) if out is None else []
         found = _findings(request, sources, parts, tables=tables)
         tables = found.tables
         drawings = _drawings(found, study, notes=[*_notes_of(sources, tables), *warned])
@@ -243,6 +245,7 @@ def carry_out(
             )
             files += _write_words(found.every, files, notes=notes, said=said, folder=staging)
         written = [folder / file.relative_to(staging) for file in files]
+    tell_replaced(folder, replaced)
     return GaitRun(tables, folder, (*written, folder / MANIFEST))
 
 

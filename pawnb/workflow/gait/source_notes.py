@@ -347,18 +347,30 @@ def _same_names(sources: Sequence[GaitSource]) -> list[str]:
 
 
 def _same_recordings(sources: Sequence[GaitSource]) -> list[str]:
-    """Say which two files hold the same tracks, which would count as two trials."""
+    """Say which files hold the same tracks, which would count as several trials."""
     alike: dict[tuple[int, ...], list[tuple[GaitSource, FloatArray]]] = {}
     for source in sources:
         if source.tracks is not None:
             places = _places(source.tracks)
             alike.setdefault(places.shape, []).append((source, places))
+    same: dict[str, list[str]] = {}
+    for group in alike.values():
+        for one, other in _same_pairs(group):
+            # with the first that it is the same as: of many copies there is one sentence
+            first = next((name for name, copies in same.items() if _named(one) in copies), None)
+            copies = same.setdefault(first or _named(one), [])
+            copies += [_named(other)] * (_named(other) not in copies)
     return [
-        f"{one.given.name} ({one.trial_name}) and {other.given.name} ({other.trial_name}) hold the "
-        "same tracks and count as two trials; of one recording name one file only."
-        for group in alike.values()
-        for one, other in _same_pairs(group)
+        f"{', '.join((one, *copies[:-1]))} and {copies[-1]} hold the same tracks and count as "
+        f"{'two' if len(copies) == 1 else len(copies) + 1} trials; of one recording name one file "
+        "only."
+        for one, copies in same.items()
     ]
+
+
+def _named(source: GaitSource) -> str:
+    """Return a file and its trial, in words."""
+    return f"{source.given.name} ({source.trial_name})"
 
 
 def _places(tracks: Tracks) -> FloatArray:
