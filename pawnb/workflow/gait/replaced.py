@@ -11,7 +11,7 @@ from pawnb.errors import InputWarning
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
 from pawnb.workflow.provenance.manifest import read_manifest
 
-_NAMED = 3
+_INPUTS_NAMED = 3
 """Inputs that are named in a warning."""
 
 
@@ -48,10 +48,11 @@ def tell_replaced(folder: Path, names: Sequence[str]) -> None:
         As :func:`other_inputs` gives them.
     """
     if names:
-        more = " ..." if len(names) > _NAMED else ""
+        named = ", ".join(names[:_INPUTS_NAMED])
+        more = " ..." if len(names) > _INPUTS_NAMED else ""
         warnings.warn(
-            f"{folder}: the gait of {', '.join(names[:_NAMED])}{more} was here and is replaced; "
-            "with a folder for each (--out) both stay.",
+            f"{folder}: the gait of {named}{more} was here and is replaced; with a folder for each "
+            "(--out) both stay.",
             InputWarning,
             stacklevel=4,
         )
