@@ -16,7 +16,6 @@ from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
@@ -126,9 +125,7 @@ def _doubt_clicks(rig: Rig, clicks: pd.DataFrame) -> list[str]:
 def _tell_doubts(
     trial: Trial, views: ViewSet, doubts: list[str], frames: tuple[int, int], *, quick: bool
 ) -> None:
-    """Warn of clicks that look wrong, and of films that are one or not synchronised."""
-    if not quick:
-        doubts = [*doubts, *tell_same_films(views)]
+    """Warn of clicks that look wrong, and of films that are not synchronised."""
     if not quick and may_be_unsynchronised(trial, views):
         doubts = [*doubts, *doubt_synchronisation(trial, views, start=frames[0], stop=frames[1])]
     for doubt in doubts:

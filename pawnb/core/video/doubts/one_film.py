@@ -11,11 +11,11 @@ from pawnb.core.pixels.grey import grey
 from pawnb.core.video.views import Source
 from pawnb.core.video.viewset import ViewSet
 
-_LEAST_APART, _FLAT_GREY = 0.2, 5.0
-"""Pictures that differ by less, the mean as a share of their standard deviation, are of one camera;
-one that is flatter, in grey values, tells nothing. Measured: nine real films that were compressed
-again (H.264, crf 28) differ by 0.02 to 0.11, those of cameras side by side (15 pairs, a fly, mice
-in a cage, rendered mice) by 0.43 to 0.99."""
+_LEAST_APART, _FLAT_GREY = 0.5, 5.0
+"""Pictures that differ by less, RMS as a share of their standard deviation, are of one camera; one
+that is flatter, in grey values, tells nothing. Measured: thirteen real films that were compressed
+again (H.264, crf 18 to 35) differ by 0.02 to 0.38, cameras side by side (a fly, mice in a cage,
+rendered mice: 21 pairs) by 0.76 to 1.5. Small animals before a plain ground differ by 1.4."""
 
 
 def tell_same_films(views: ViewSet) -> list[str]:
@@ -42,7 +42,7 @@ def tell_same_films(views: ViewSet) -> list[str]:
         for a, b in combinations(names, 2)
         if first[a].shape == first[b].shape
         and first[a].std() > _FLAT_GREY
-        and np.abs(first[a] - first[b]).mean() < _LEAST_APART * first[a].std()
+        and np.sqrt(np.mean((first[a] - first[b]) ** 2)) < _LEAST_APART * first[a].std()
     ]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import warnings
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
@@ -29,6 +30,10 @@ Which = Literal["all", "main", "none"]
 MAIN = ("gait_diagram", "phase_rose")
 FORMATS = ("png", "pdf", "svg")
 _PLACES = 8
+
+# of all figures of a run that is said once, in a sentence; not within a block, as figures are drawn
+# on threads, and filters are those of all of them
+warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning, re.escape(__name__))
 
 
 def save_gait_figures(
@@ -132,21 +137,18 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
                 "Creator": "pawnb"},
         "svg": {"Description": recipe, "Date": None, "Creator": "pawnb"},
     }  # fmt: skip
-    with warnings.catch_warnings():
-        # of all figures of a run that is said once, in a sentence
-        warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning)
-        # panels are laid out once, not anew for each format
+    # panels are laid out once, not anew for each format
+    figure.draw_without_rendering()
+    if set_fonts_of_names(figure):
         figure.draw_without_rendering()
-        if set_fonts_of_names(figure):
-            figure.draw_without_rendering()
-        figure.set_layout_engine("none")
-        _round_layout(figure)
-        files = []
-        for ending in FORMATS:
-            file = path.with_name(f"{path.name}.{ending}")
-            with whole_file(file) as part:
-                figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
-            files.append(file)
+    figure.set_layout_engine("none")
+    _round_layout(figure)
+    files = []
+    for ending in FORMATS:
+        file = path.with_name(f"{path.name}.{ending}")
+        with whole_file(file) as part:
+            figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
+        files.append(file)
     return files
 
 
