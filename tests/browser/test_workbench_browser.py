@@ -27,7 +27,11 @@ def folder(trial_file, tmp_path):
 
 @pytest.mark.parametrize(("width", "height"), [(900, 768), (1366, 768), (1920, 1200)])
 @pytest.mark.parametrize("theme", ["Light", "Dark"])
-def test_hostile_names_run_nothing_and_nothing_overflows(notebook, folder, width, height, theme):
+def test_hostile_names_run_nothing_and_nothing_overflows(
+    notebook, folder, server, width, height, theme
+):
+    if width < 1000 and server[2] == "lab":
+        pytest.skip("JupyterLab's own panels leave half of so narrow a window")
     page = notebook.page
     page.set_viewport_size({"width": width, "height": height})
     set_theme(notebook, theme)
