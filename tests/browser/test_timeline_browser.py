@@ -148,7 +148,7 @@ def test_keys_mark_a_stretch_hide_it_delete_it_and_let_it_go(notebook, trial_fil
         "point": "HR",
         "view": None,
     }
-    assert notebook.js("c.timeline.bytes[3 * (c.timeline.n + 9)]") == 255  # missing
+    notebook.wait("c.timeline.bytes[3 * (c.timeline.n + 9)] === 255")  # missing
     # an end of the stretch is dragged
     _, y = place(notebook, 11, 1)
     edge = notebook.js("c.timeline.x(12)")
