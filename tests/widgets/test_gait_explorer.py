@@ -294,7 +294,6 @@ def test_a_stride_that_does_not_count_says_why(tables):
     assert session.text() == "0 corrections."
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_endless_names_of_legs_stay_in_the_picture(spider):
     """Hebrew is left out: its letters are in no font of a bare machine."""

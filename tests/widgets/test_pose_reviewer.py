@@ -91,7 +91,6 @@ def test_accepting_keeps_the_pose_as_certain(reviewer, tracks):
     np.testing.assert_allclose(tip(reviewer, 13), kept, atol=1e-3)
 
 
-@pytest.mark.slow
 def test_tracking_again_saving_and_opening_again(reviewer, rendered_spider, tracks, tmp_path):
     drag(reviewer, 17)
     before = reviewer.tracks["heading"].to_numpy()[8, 0]
@@ -144,7 +143,6 @@ def test_a_pose_that_was_corrected_is_doubtful_no_more(reviewer):
     assert len(reviewer._suspects) == len(reviewer.session.suspects())
 
 
-@pytest.mark.slow
 def test_a_page_without_python_has_the_animal_of_each_frame(reviewer, tmp_path):
     text = reviewer.export_page(tmp_path / "page.html", frames=[12, 13]).read_text()
     data = json.loads(text.split('id="pawnb-data">', 1)[1].split("</", 1)[0])
@@ -182,7 +180,6 @@ def stretch(widget, action, point, first, last, **more):
     widget.edit("stretch", message)
 
 
-@pytest.mark.slow
 def test_legs_are_exchanged_interpolated_and_hidden_over_a_stretch(reviewer, tracks):
     was = {leg: [tip(reviewer, f, leg) for f in range(10, 24)] for leg in ("L2", "R2", "L3")}
     stretch(reviewer, "swap", "L2", 14, 16, other="R2")
@@ -270,7 +267,6 @@ def test_the_next_difference_chooses_its_leg_and_stays_said(rendered_spider, tra
     widget.close()
 
 
-@pytest.mark.slow
 def test_a_leg_at_full_reach_that_is_dragged_further_out_is_no_correction(reviewer):
     """Its segments are in line then: together they reach from the body to the tip."""
     was = reviewer.session.pose_at(17).places("L2")

@@ -21,7 +21,6 @@ SIGNALS = pd.DataFrame(
 )
 
 
-@pytest.mark.slow
 def test_session_begins_at_the_pooled_choice_and_filters_with_the_hand():
     session = ResidualSession(SIGNALS, fs_hz=FS)
     pooled = analyse_residuals(SIGNALS.to_numpy(), fs_hz=FS)
@@ -78,7 +77,6 @@ class Mouse:
         self.inaxes, self.xdata = ax, x
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")  # ipympl
 def test_slider_line_and_curves_go_together():
     from pawnb.widgets.residual_explorer import ResidualExplorer
@@ -113,7 +111,6 @@ def test_slider_line_and_curves_go_together():
     assert "b: cut-off" in explorer._told.value
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("given", "names"),
     [

@@ -131,7 +131,6 @@ def test_the_canvas_shows_what_is_kept(bare):
     canvas.close()
 
 
-@pytest.mark.slow
 def test_the_list_follows_what_is_clicked_and_saved(described, opened):
     def row():
         cells = bench._list.children[0].children[8:]
@@ -173,7 +172,6 @@ def test_the_list_follows_what_is_clicked_and_saved(described, opened):
     bench.tool.tool._analysts.submit(int).result()  # its filters of warnings end with this test
 
 
-@pytest.mark.slow
 def test_the_frame_to_click_is_chosen_anew_when_the_trial_was_tracked_again(
     described, opened, monkeypatch
 ):
@@ -259,7 +257,6 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     assert f"seen in frame {frame}, then Track" in said(bench)
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
 def test_results_say_what_a_reader_must_know_and_are_old_once_events_are_corrected(
     described, opened

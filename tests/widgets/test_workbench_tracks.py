@@ -53,7 +53,6 @@ def correct(bench, frame, u, v):
     review.edit("moved", {"frame": frame, "view": view, "point": "FR", "u": u, "v": v})
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dlc_single.csv", "sleap.analysis.h5"])
 def test_tracks_of_other_programs_lead_to_their_gait(real_data, tmp_path, opened, name):
     """Phases of the file's formula: FL is 3 rad before FR in a cycle."""
@@ -144,7 +143,6 @@ def test_one_file_of_each_recording_is_chosen(real_data, tmp_path, opened):
     ]  # fmt: skip
 
 
-@pytest.mark.slow
 def test_tracks_of_other_programs_are_corrected_on_their_film_before_the_gait(
     real_data, tmp_path, opened
 ):
@@ -196,7 +194,6 @@ file = "m1DLC_net.csv"  # of the network
 VIEWS = '[[views]]\nname = "side"\nvideo = "{}"\n'
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("views", ["", VIEWS.format("film.avi")])
 def test_a_trial_of_tracks_is_reviewed_on_its_film_and_goes_on_with_the_corrected_file(
     real_data, tmp_path, opened, views
