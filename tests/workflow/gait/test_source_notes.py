@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -19,6 +17,7 @@ from pawnb.synthetic import write_deeplabcut_sample
 from pawnb.workflow.gait.drawing.drawings import gait_drawings
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.gait.source_notes import _same_recordings
+from pawnb.workflow.gait.sources import read_source
 
 
 @pytest.fixture
@@ -49,16 +48,17 @@ def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_ho
     assert same[0].startswith("m01DLC.csv (m01) and again.csv (again) hold the same tracks")
 
 
-def test_of_many_copies_of_one_recording_there_is_one_sentence():
+def test_of_many_copies_of_one_recording_there_is_one_sentence(tmp_path):
     tracks = walking_tracks("t1", "m1").isel(time=slice(0, 100))
     other = tracks.copy(deep=True)
     other["position"] += np.linspace(0.0, 90.0, 100)[:, None, None, None]
-    sources = [
-        SimpleNamespace(tracks=one, given=Path(f"{name}.nc"), trial_name=name)
-        for name, one in [("a", tracks), ("x", other), ("b", tracks), ("c", tracks)]
-    ]
+    for name, one in {"a": tracks, "x": other, "b": tracks, "c": tracks}.items():
+        write_tracks(one, tmp_path / f"{name}.nc")
+    sources = [read_source(tmp_path / f"{name}.nc") for name in "axbc"]
     (said,) = _same_recordings(sources)
-    assert said.startswith("a.nc (a), b.nc (b) and c.nc (c) hold the same tracks and count as 3 ")
+    assert said.startswith(
+        "a.nc (t1), b.nc (t1) and c.nc (t1) hold the same tracks and count as 3 "
+    )
 
 
 @pytest.mark.slow
