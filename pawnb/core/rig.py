@@ -9,7 +9,6 @@ directions of the calibrated space. It is read with :func:`load_rig` or fitted w
 from __future__ import annotations
 
 import dataclasses
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -20,6 +19,7 @@ from pawnb.core import dlt
 from pawnb.core.lens import cameras_of_views
 from pawnb.core.sightlines import find_epipolar_line, find_look_point
 from pawnb.errors import CalibrationError, InputWarning, did_you_mean
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.cameras import coefs_of_cameras
 from pawnb.io.coefs import read_coefs
 from pawnb.trial import Calibration, Trial, View
@@ -263,7 +263,7 @@ def _coefs_of_cameras(trial: Trial, names: Sequence[str]) -> np.ndarray:
     coefs, origin = coefs_of_cameras(list(cameras.values()))
     if origin.any():
         x, y, z = origin
-        warnings.warn(
+        warn_of_input(
             f"trial {trial.name!r}: a camera stands at the origin of its calibration, which has no "
             f"DLT coefficients: positions are counted from ({x:g}, {y:g}, {z:g}) there.",
             InputWarning,

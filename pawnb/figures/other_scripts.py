@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import warnings
 from collections.abc import Sequence
 
 from matplotlib.figure import Figure
@@ -12,6 +11,7 @@ from matplotlib.text import Text
 
 from pawnb.errors import InputWarning
 from pawnb.figures.style import get_style
+from pawnb.input_warnings import warn_of_input
 
 FURTHER_FONTS = (
     "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Noto Sans SC", "Noto Sans JP",
@@ -84,7 +84,7 @@ def warn_of_boxes(signs: str, *, stacklevel: int = 2) -> None:
         As for :func:`warnings.warn`.
     """
     if signs:
-        warnings.warn(
+        warn_of_input(
             f"figures: {get_style().font} has no sign for {signs!r}, nor has another font that is "
             "installed here, so boxes stand for them; install one, such as Noto Sans CJK, or "
             "choose one with pawnb.figures.set_style(font=...).",

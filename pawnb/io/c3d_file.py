@@ -12,6 +12,7 @@ import numpy as np
 
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_bytes, write_whole
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import HDF5_FAULTS
 from pawnb.io.lengths import units_per_unit
@@ -94,7 +95,7 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     if unit is not None and found:
         place = place * units_per_unit(found, unit, where=path.name)
     if fps is not None and abs(fps - rate) > _SAME_RATE * rate:
-        warnings.warn(
+        warn_of_input(
             f"{path.name} says {rate:g} frames per second, and fps is given as {fps:g}, which is "
             f"used: all times and speeds follow from it; correct fps where the file is right.",
             InputWarning,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ import pandas as pd
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_text
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.lengths import units_per_unit
 from pawnb.io.points import build_tracks, by_subject, check_names
 from pawnb.schema import Tracks
@@ -124,7 +124,7 @@ def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = N
     while below < len(rows) and not rows[below][1][0]:
         below += 1  # the line of X1, Y1, Z1
     if unit is None:
-        warnings.warn(
+        warn_of_input(
             f"{where}: axes are the file's own, and in OpenSim y is up, which is taken to be z "
             "elsewhere. Where it is y, name the file in a trial.toml of kind 'tracks' with "
             'unit = "mm" (or what lengths shall be in) and up = [0, 1, 0] below [calibration].',
@@ -344,7 +344,7 @@ def _frames(counted: FloatArray, said: _Capture) -> IntArray:
 def _tell_doubts(said: _Capture, fps: float | None) -> None:
     """Warn of another frame rate or number of rows than the file says."""
     if fps is not None and abs(fps - said.rate_hz) > _SAME_RATE * said.rate_hz:
-        warnings.warn(
+        warn_of_input(
             f"{said.where} says {said.rate_hz:g} frames per second, and fps is given as {fps:g}, "
             "which is used: all times and speeds follow from it; correct fps where the file is "
             "right.",
@@ -352,7 +352,7 @@ def _tell_doubts(said: _Capture, fps: float | None) -> None:
             stacklevel=4,
         )
     if said.n_rows is not None and said.n_rows != len(said.rows):
-        warnings.warn(
+        warn_of_input(
             f"{said.where} says that it has {said.n_rows} frames, and has {len(said.rows)}: where "
             "it was cut short, copy it again from where it is whole.",
             InputWarning,

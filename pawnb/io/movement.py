@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import io
 import json
-import warnings
 from pathlib import Path
 from typing import Literal
 
@@ -21,6 +20,7 @@ from xarray.backends import H5NetCDFStore
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import write_whole
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.lengths import units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
 from pawnb.io.points import check_finite, check_names, plain_name
@@ -338,7 +338,7 @@ def _unit(dataset: xr.Dataset, given: str | None, where: str) -> str:
     if dataset.sizes["space"] == 2:
         return said or "px"
     if not (given or said):
-        warnings.warn(
+        warn_of_input(
             f"{where}: positions in space without a unit, as movement stores none: lengths are "
             "taken to be in mm. Where they are in another, name the file in a trial.toml of kind "
             "'tracks' with its unit below [calibration] (unit = \"m\"), or give unit to "
@@ -368,7 +368,7 @@ def _frame_rate(said: float | None, fps: float | None, where: str) -> float:
             "the command line)."
         )
     if said is not None and abs(rate - said) > _SAME_RATE * said:
-        warnings.warn(
+        warn_of_input(
             f"{where} says {said:g} frames per second, and fps is given as {rate:g}, which is "
             "used: all times and speeds follow from it; correct fps where the file is right.",
             InputWarning,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import json
-import warnings
 from collections.abc import Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import whole_file
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import open_hdf5, read_array, read_texts
 from pawnb.io.lengths import units_per_unit
@@ -224,7 +224,7 @@ def _unit(said: str, wanted: str | None, n_axes: int, where: str) -> tuple[str, 
     if said.lower() in _PIXELS:
         if n_axes == 2:
             return "px", 1.0
-        warnings.warn(
+        warn_of_input(
             f"{where}: positions in space that are said to be in pixels: lengths are taken to be "
             f"in {wanted or 'mm'}. Where they are in another unit, name the file in a trial.toml "
             "of kind 'tracks' with its unit below [calibration].",
@@ -270,7 +270,7 @@ def _times(
             "give the fps of the recording."
         )
     if fps is not None and not counted and said > 0 and abs(fps - said) > _SAME_RATE * said:
-        warnings.warn(
+        warn_of_input(
             f"{where} says {said:g} frames per second, and fps is given as {fps:g}, which is used: "
             "all times and speeds follow from it; correct fps where the file is right.",
             InputWarning,

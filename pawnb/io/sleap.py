@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.hdf5 import open_hdf5, read_array, read_attribute, read_texts
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers
@@ -239,7 +239,7 @@ def _chosen(
         if before is None or row["instance_type"] == _USER:
             chosen[at] = row
     if stray:
-        warnings.warn(
+        warn_of_input(
             f"{where}: {stray} instances belong to no track and are left out; assign them in "
             "SLEAP to keep them.",
             InputWarning,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,6 +11,7 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers, write_text
@@ -178,7 +178,7 @@ def _tell_parts(place: FloatArray, where: str) -> None:
     """Warn of places in a plane that are parts of a picture's width and height."""
     seen = place[np.isfinite(place)]
     if place.shape[-1] == 2 and seen.size and seen.min() >= 0 and 0 < seen.max() <= 1:
-        warnings.warn(
+        warn_of_input(
             f"{where}: all places lie between 0 and 1, as MediaPipe writes parts of the picture's "
             "width and height: angles and lengths are wrong then; multiply x by the width and y by "
             "the height in px.",

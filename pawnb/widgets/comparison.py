@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -82,9 +81,7 @@ class Comparison:
 
     def farthest(self, tracks: Tracks) -> np.ndarray:
         """Return the largest distance over the views, px, shape (n, P); NaN without any."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RuntimeWarning)  # a point that no view has
-            return np.asarray(np.nanmax(self.distances(tracks), axis=1))
+        return np.asarray(np.fmax.reduce(self.distances(tracks), axis=1))
 
     def largest(self, tracks: Tracks) -> pd.DataFrame:
         """Return where the tracks differ most, the largest difference first.

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ from pawnb.core.pose.presence import KNOWN_FRAMES, Presence, find_animal_frames
 from pawnb.core.video import open_view
 from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.signals.robust import MAD_TO_SD
 from pawnb.trial import View
 
@@ -212,7 +212,7 @@ def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Backgroun
 
 def _doubted(background: Background, doubt: str) -> Background:
     """Return a background that may be wrong, and warn of it."""
-    warnings.warn(doubt, InputWarning, stacklevel=4)
+    warn_of_input(doubt, InputWarning, stacklevel=4)
     return dataclasses.replace(background, doubt=doubt)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -38,6 +37,7 @@ from pawnb.gait.locomotion.grid import Grid, put_on_grid
 from pawnb.gait.locomotion.pose_body import pose_body
 from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.gait.strides.stride_table import Motion
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.belt import read_belt_speed
 from pawnb.schema import Tracks, absent_frames, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
@@ -124,7 +124,7 @@ def analyse(
     settings = _settings(settings)
     check_tracks(tracks, where=where)
     if trial is not None and not math.isclose(tracks.attrs["fps"], trial.fps, rel_tol=1e-6):
-        warnings.warn(
+        warn_of_input(
             f"{where} has {trial.fps:g} frames/s and these tracks {tracks.attrs['fps']:g}: times "
             "are those of the tracks. If the trial was mended since, pawnb.run_gait(trial) brings "
             "tracks to it.",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -18,6 +17,7 @@ from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
+from pawnb.input_warnings import hearing_input_warnings
 from pawnb.io.cameras import read_cameras
 from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, View, load_trial
@@ -102,14 +102,14 @@ def _check_results(trial: Trial, report: CheckReport, sizes: Mapping[str, list[i
         report.doubts.append(f"{name} is of a run that was interrupted; track again to go on")
     if trial.is_tracked_elsewhere:
         return
-    with warnings.catch_warnings(record=True) as told:
-        warnings.simplefilter("always", InputWarning)
+    told: list[InputWarning] = []
+    with hearing_input_warnings(told.append, shown=False):
         as_described_now(tracks, trial)
-    report.doubts += [str(one.message).rstrip(".") for one in told]
+    report.doubts += [str(one).rstrip(".") for one in told]
     before = json.loads(tracks.attrs.get("pictures_px", "{}"))
     for name, size in sizes.items():
         was = before.get(name, size)
-        if was != size and not any("crop" in str(one.message) for one in told):
+        if was != size and not any("crop" in str(one) for one in told):
             why = " (before it was heeded how the camera was held)" if was == size[::-1] else ""
             report.doubts.append(
                 f"view {name} was clicked and tracked in pictures of {was[0]} x {was[1]} px{why}, "

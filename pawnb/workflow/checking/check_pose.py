@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
@@ -13,6 +11,7 @@ from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.start_proposal.silhouette import find_silhouette
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputWarning, PawnbError
+from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import Trial, View
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
@@ -79,28 +78,28 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
 
 def _check_second(trial: Trial, views: ViewSet, second: View, report: CheckReport) -> None:
     """Say what the second view gives, and what keeps it from doing so."""
+    told: list[InputWarning] = []
     try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", InputWarning)
+        with hearing_input_warnings(told.append, shown=False):
             load_second(trial, views)
             empty = find_background(views.readers[second.name], second, folder=trial.folder)
     except PawnbError as error:
         report.faults.append(str(error))
         return
-    report.doubts += [str(warning.message) for warning in caught]
+    report.doubts += [str(warning) for warning in told]
     report.found.append(f"second view {second.name}: joints in space; background: {empty.source}")
 
 
 def _find_background(trial: Trial, views: ViewSet, report: CheckReport) -> Background | None:
     """Return the empty scene, and say where it comes from and what is doubtful about it."""
+    told: list[InputWarning] = []
     try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", InputWarning)
+        with hearing_input_warnings(told.append, shown=False):
             background = trial_background(trial, views)
     except PawnbError as error:
         report.faults.append(str(error))
         return None
-    report.doubts += [str(warning.message) for warning in caught]
+    report.doubts += [str(warning) for warning in told]
     report.found.append(f"background: {background.source}")
     _check_empty(background, report)
     return background

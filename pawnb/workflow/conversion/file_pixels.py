@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from pawnb.core.reconstruct import triangulate_tracks
 from pawnb.core.rig import Rig, require_rig
 from pawnb.core.video import open_view
 from pawnb.errors import CalibrationError, InputWarning, VideoError
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.argus import read_argus_points
 from pawnb.io.authors2019 import VIEWS as AUTHORS_VIEWS
 from pawnb.io.authors2019 import read_authors_dlt
@@ -85,7 +85,7 @@ def read_digitised_trial(path: Path, trial: Trial, program: str = "dltdv") -> Tr
     _warn_of_doubtful(tracks, path.name)
     if not unknown:
         return tracks
-    warnings.warn(
+    warn_of_input(
         f"{path.name} counts v upwards and the height of the picture of view {unknown[0]!r} is not "
         "known: positions in space are all there, positions in the pictures are left out. Give "
         "crop = [0, 0, width, height] under [[views]] to have them.",
@@ -276,7 +276,7 @@ def triangulate_foreign(tracks: Tracks, rig: Rig, *, where: str) -> Tracks:
                 "size of the picture? (pawnb calibrate --judge tells which camera does not belong.)"
             )
         text = f"{where}: {refused} of {all_of_them} points are left out in space, {said}."
-        warnings.warn(text, InputWarning, stacklevel=3)
+        warn_of_input(text, InputWarning, stacklevel=3)
     return tracks
 
 
@@ -286,7 +286,7 @@ def _warn_of_doubtful(tracks: Tracks, where: str) -> None:
     doubtful = residual > MAX_RESIDUAL_PX
     if doubtful.any():
         time, point, _ = np.unravel_index(np.nanargmax(residual), residual.shape)
-        warnings.warn(
+        warn_of_input(
             f"{where}: the views disagree about {doubtful.sum()} of {np.isfinite(residual).sum()} "
             f"points by more than {MAX_RESIDUAL_PX:g} px, most about "
             f"{tracks['keypoint'].to_numpy()[point]} in frame {tracks['frame'].to_numpy()[time]} "

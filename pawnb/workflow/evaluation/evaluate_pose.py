@@ -7,7 +7,6 @@ forwards against tracking in reverse (Table 4.2).
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from pawnb.core.pose.poses import Poses, tip_positions
 from pawnb.core.pose.track_result import plain_track
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
+from pawnb.input_warnings import hearing_input_warnings
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
@@ -147,8 +147,7 @@ def evaluate_directions(
 
     def one_way(start: Poses) -> Any:
         table = pose_table(animal, plain_track(animal, start))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # said once already
+        with hearing_input_warnings(str, shown=False):  # said once already
             tracks = track(
                 trial, method=method, settings=settings, start=table, frames=span,
                 progress=progress,

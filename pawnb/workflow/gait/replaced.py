@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pawnb.errors import InputWarning
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
+from pawnb.input_warnings import warn_of_input
 from pawnb.workflow.provenance.manifest import read_manifest
 
 _INPUTS_NAMED = 3
@@ -50,7 +50,7 @@ def tell_replaced(folder: Path, names: Sequence[str]) -> None:
     if names:
         named = ", ".join(names[:_INPUTS_NAMED])
         more = " ..." if len(names) > _INPUTS_NAMED else ""
-        warnings.warn(
+        warn_of_input(
             f"{folder}: the gait of {named}{more} was here and is replaced; with a folder for each "
             "(--out) both stay.",
             InputWarning,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,6 +14,7 @@ from pawnb.core.edits.log import say_unsaved
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import check_file
 from pawnb.gait import GaitTables
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.io.unread import tell_folder
@@ -274,10 +274,10 @@ def _tell_unsaved(tracks: Tracks, path: Path) -> None:
     try:
         said = say_unsaved(tracks, file)
     except PawnbError as error:
-        warnings.warn(f"{file}: {str(error).rstrip('.')}.", InputWarning, stacklevel=3)
+        warn_of_input(f"{file}: {str(error).rstrip('.')}.", InputWarning, stacklevel=3)
         return
     if said:
-        warnings.warn(f"{file}: {said}", InputWarning, stacklevel=3)
+        warn_of_input(f"{file}: {said}", InputWarning, stacklevel=3)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial, bool]:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -33,6 +32,7 @@ from pawnb.files import (
     staged_files,
 )
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
+from pawnb.input_warnings import warn_of_input
 from pawnb.workflow.provenance.labels import is_labelled
 from pawnb.workflow.provenance.record import provenance_text
 
@@ -229,7 +229,7 @@ def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[
     )  # fmt: skip
     if kept := [name for name in others_of_before if now[name] is not None and name not in gone]:
         verb = "was" if len(kept) == 1 else "were"
-        warnings.warn(
+        warn_of_input(
             f"{folder}: {', '.join(kept)} {verb} changed by hand after an earlier run, and this "
             "run writes no such file: kept, but not of these results; take it away or give it "
             "another name.", InputWarning, stacklevel=4,

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import math
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 import xarray as xr
 
 from pawnb.errors import InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, View
 from pawnb.workflow.provenance.record import file_checksum
@@ -69,7 +69,7 @@ def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
     said += _other_pictures(before, trial, sizes or {})
     if said:
         text = f"{trial.name}: since it was tracked, {'; '.join(said)}."
-        warnings.warn(text, InputWarning, stacklevel=3)
+        warn_of_input(text, InputWarning, stacklevel=3)
     return now
 
 

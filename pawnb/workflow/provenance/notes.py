@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,6 +12,7 @@ import pandas as pd
 from pawnb.arrays import IntArray
 from pawnb.errors import InputWarning, ResumptionWarning
 from pawnb.gait.analysis.notes import Note
+from pawnb.input_warnings import hearing_input_warnings
 
 NOTES_COLUMNS = ("where", "what", "rows")
 """``where``: the trial, file or table that a note is about (empty: all of them); ``what``: the
@@ -31,19 +30,13 @@ def noted_warnings() -> Iterator[list[str]]:
         files called by their names alone; it grows.
     """
     said: list[str] = []
-    with warnings.catch_warnings():
-        show = warnings.showwarning
-        if not _are_errors():  # Python shows a warning of one line of code only once
-            warnings.simplefilter("always", InputWarning)
 
-        def note(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
-            of_result = issubclass(category, InputWarning) and category is not ResumptionWarning
-            sentence = without_folders(str(message))
-            if of_result and sentence not in said:
-                said.append(sentence)
-            show(message, category, *place, **more)
+    def note(warning: InputWarning) -> None:
+        sentence = without_folders(str(warning))
+        if not isinstance(warning, ResumptionWarning) and sentence not in said:
+            said.append(sentence)
 
-        warnings.showwarning = note
+    with hearing_input_warnings(note, shown=True):
         yield said
 
 
@@ -53,14 +46,6 @@ def without_folders(sentence: str) -> str:
     What is written beside results is the same wherever they lie.
     """
     return re.sub(r"(?<![\w.])(?:/|[A-Za-z]:[\\/])(?:[^\s:;,/\\]+[\\/])*(?=[^\s/\\])", "", sentence)
-
-
-def _are_errors() -> bool:
-    """Say whether the user turned warnings of this kind into errors."""
-    for action, message, category, module, _ in warnings.filters:
-        if message is None and module is None and issubclass(InputWarning, category):
-            return action == "error"
-    return False
 
 
 def notes_table(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shlex
 import tempfile
-import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +16,8 @@ from pawnb import figures
 from pawnb.core.edits.log import replay
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.video import open_views
-from pawnb.errors import InputError, InputWarning
+from pawnb.errors import InputError
+from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
 from pawnb.workflow.gait.drawing.draw_figure import STEP, redraw
@@ -191,8 +191,8 @@ def _make(files: list[tuple[Path, Recipe]], inputs: str | Path | None) -> dict[P
     other = tell_versions(recipe.step.get("versions", {}), package_versions())
     found = {}
     with tempfile.TemporaryDirectory(prefix="pawnb-") as folder:
-        with warnings.catch_warnings(), figures.style(**recipe.style):
-            warnings.simplefilter("ignore", InputWarning)  # the run itself has told them
+        # the run itself has told its warnings
+        with hearing_input_warnings(str, shown=False), figures.style(**recipe.style):
             names = tuple(own.name for _, own in files)
             task = _Task(recipe.step, names, places_of(path, inputs), path, Path(folder))
             _MAKERS[recipe.kind](task)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from pawnb.core.suspects.frames import find_suspects
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import write_whole
 from pawnb.gait.analysis.notes import Note
+from pawnb.input_warnings import warn_of_input
 from pawnb.io import native
 from pawnb.io.pose import write_pose
 from pawnb.io.tables import write_table
@@ -249,7 +249,7 @@ def tell_fault(tracks: Tracks, path: Path) -> None:
         return
     fault = find_fault(path.parent, run="track")
     if fault is not None:
-        warnings.warn(fault, InputWarning, stacklevel=3)
+        warn_of_input(fault, InputWarning, stacklevel=3)
 
 
 def tell_fault_of_events(path: Path) -> None:
@@ -268,7 +268,7 @@ def tell_fault_of_events(path: Path) -> None:
     if path.name in known_files(path.parent).files_of("gait"):
         fault = find_fault(path.parent, run="gait")
         if fault is not None:
-            warnings.warn(fault, InputWarning, stacklevel=3)
+            warn_of_input(fault, InputWarning, stacklevel=3)
 
 
 def need_sources(folder: Path) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from pathlib import Path
 
 import pandas as pd
@@ -14,6 +13,7 @@ from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
 from pawnb.core.pose.pose_suspects import chances_of_tips
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import as_word, read_text
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import START_COLUMNS, Tracks
 
 QUALITY_FILE = "quality.json"
@@ -153,4 +153,4 @@ def tell_failed(tracks: Tracks, *, complete: bool) -> None:
         If the verdict is *failed*.
     """
     if complete and (quality := assess_quality(tracks)).verdict == "failed":
-        warnings.warn(f"tracking {quality.line()}", QualityWarning, stacklevel=3)
+        warn_of_input(f"tracking {quality.line()}", QualityWarning, stacklevel=3)

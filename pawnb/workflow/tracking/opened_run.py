@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -11,6 +10,7 @@ from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.tracker import AnyTracker
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.trial import Trial
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.progress import Progress, tracking_progress
@@ -48,7 +48,7 @@ class OpenedRun:
     def tell_notes(self) -> None:
         """Warn of what is odd about the recording; the line that is named is the user's."""
         for note in self.views.notes:
-            warnings.warn(note, InputWarning, stacklevel=4)
+            warn_of_input(note, InputWarning, stacklevel=4)
 
     def end_progress(self) -> None:
         """End the bar: what follows takes no time."""

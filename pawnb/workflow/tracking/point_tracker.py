@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-import warnings
 from collections.abc import Callable
 
 import pandas as pd
@@ -13,6 +12,7 @@ from pawnb.core.paws.offline.detection.point_tracking.point_tracker import Point
 from pawnb.core.paws.offline.detection.point_tracking.tapir import Tapir, load_tapir
 from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.errors import InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.workflow.provenance.record import file_checksum
@@ -76,7 +76,7 @@ def tell_unused(trial: Trial, tracks: Tracks, clicks: pd.DataFrame) -> None:
         what += "every point was clicked in one frame: click a second one, by which it is judged."
     else:
         return
-    warnings.warn(what, InputWarning, stacklevel=3)
+    warn_of_input(what, InputWarning, stacklevel=3)
 
 
 @functools.lru_cache(maxsize=1)

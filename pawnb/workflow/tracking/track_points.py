@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +16,7 @@ from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.workflow.calibration.real_units import in_real_units
@@ -129,7 +129,7 @@ def _tell_doubts(
     if not quick and may_be_unsynchronised(trial, views):
         doubts = [*doubts, *doubt_synchronisation(trial, views, start=frames[0], stop=frames[1])]
     for doubt in doubts:
-        warnings.warn(f"{doubt}.", InputWarning, stacklevel=3)
+        warn_of_input(f"{doubt}.", InputWarning, stacklevel=3)
 
 
 def _described(tracks: Tracks, trial: Trial, run: OpenedRun, *, earlier: Tracks | None) -> Tracks:
@@ -175,7 +175,7 @@ def _refuse_more_frames(clicks: pd.DataFrame, method: str) -> None:
 def _tell_left_out(asked: int, first: int) -> None:
     """Warn that frames before the first click are not tracked."""
     if asked < first:
-        warnings.warn(
+        warn_of_input(
             f"frames {asked} to {first - 1} lie before the first click, in frame {first}, and are "
             f"not tracked; click the points in frame {asked} too to have them.",
             InputWarning,
@@ -189,7 +189,7 @@ def _tell_interrupted(tracks: Tracks, first: int, last: int, *, kept: bool) -> N
     again = "; run it again to go on from there" if kept else ""
     if not len(frames):
         raise KeyboardInterrupt(f"interrupted before every point was placed{again}")
-    warnings.warn(
+    warn_of_input(
         f"interrupted: frames {frames[0]} to {frames[-1]} of {first} to {last - 1} are "
         f"tracked{again}.",
         InputWarning,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from pawnb.core.checkpoint import code_checksum
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.paws.retracked_span import keep_rows
 from pawnb.errors import InputError, ResumptionWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.native import read_tracks
 from pawnb.schema import Tracks
 from pawnb.workflow.provenance.results import provenance_steps
@@ -60,7 +60,7 @@ def open_kept_frames(folder: Path | None, step: Mapping[str, Any]) -> KeptFrames
     line = json.dumps(asked, sort_keys=True)
     kept = KeptFrames(folder / KEPT_FILE, depends_on=line)
     if kept.other is not None:
-        warnings.warn(
+        warn_of_input(
             f"the run that was interrupted in {folder} had {_differing(kept.other, line)}; "
             "tracking begins anew.",
             ResumptionWarning,
@@ -68,7 +68,7 @@ def open_kept_frames(folder: Path | None, step: Mapping[str, Any]) -> KeptFrames
         )
     elif kept.frames:
         first, last = step["frames"]
-        warnings.warn(
+        warn_of_input(
             f"going on with the run that was interrupted in {folder}: {len(kept.frames)} of "
             f"{last - first} frames were found before.",
             ResumptionWarning,

@@ -10,6 +10,7 @@ import pytest
 
 from pawnb.errors import InputWarning, ResumptionWarning
 from pawnb.gait.analysis.notes import Note
+from pawnb.input_warnings import warn_of_input
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.notes import (
     NOTES_COLUMNS,
@@ -42,20 +43,32 @@ def test_the_table_says_which_rows():
 
 def test_warnings_are_collected_and_shown():
     with warnings.catch_warnings(record=True) as shown:
-        warnings.simplefilter("default")
+        warnings.simplefilter("always")
         with noted_warnings() as said:
-            for _ in range(2):  # one line of code: Python would show it once
-                warnings.warn("/data/m07/cam1.avi: cut short", InputWarning, stacklevel=1)
-            warnings.warn("going on", ResumptionWarning, stacklevel=1)
+            for _ in range(2):
+                warn_of_input("/data/m07/cam1.avi: cut short")
+            warn_of_input("going on", ResumptionWarning)
     assert said == ["cam1.avi: cut short"]
     assert [str(w.message) for w in shown] == ["/data/m07/cam1.avi: cut short"] * 2 + ["going on"]
+
+
+def test_what_another_thread_does_with_warnings_takes_no_note_away():
+    """pandas saves and restores the filters of the process on every thread."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        meanwhile = warnings.catch_warnings()
+        meanwhile.__enter__()
+        with noted_warnings() as said:
+            meanwhile.__exit__(None, None, None)
+            warn_of_input("cut short")
+    assert said == ["cut short"]
 
 
 def test_warnings_turned_into_errors_stay_errors():
     with warnings.catch_warnings():
         warnings.simplefilter("error", InputWarning)
         with noted_warnings(), pytest.raises(InputWarning):
-            warnings.warn("cut short", InputWarning, stacklevel=1)
+            warn_of_input("cut short")
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -24,6 +23,7 @@ from pawnb.core.pose.pullar2009.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
 from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import ORIGIN_CODE
 
 _WAY = "one way"
@@ -187,7 +187,7 @@ class _Tracker:
                     return False
                 leg = self._outside(last)
                 if leg is not None:
-                    warnings.warn(
+                    warn_of_input(
                         f"frame {i - numbers.step}: {leg} reaches outside the picture; "
                         f"tracking {word} ends there, {len(numbers) - done} frames early.",
                         InputWarning,

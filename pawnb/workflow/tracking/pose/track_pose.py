@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +24,7 @@ from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.pose import check_pose, read_pose
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, View
@@ -255,7 +255,7 @@ def _tell_doubts(
         if outside and not (outline is not None and outline.at_edge):  # that is said already
             doubts.append(say_outside(outside, frame))
         for doubt in doubts:
-            warnings.warn(f"{doubt}.", InputWarning, stacklevel=4)
+            warn_of_input(f"{doubt}.", InputWarning, stacklevel=4)
 
 
 def pose_tracks(
@@ -352,7 +352,7 @@ def _known_part(track: PoseTrack, trial: Trial, *, complete: bool) -> PoseTrack:
 def _tell_interrupted(track: PoseTrack, span: tuple[int, int]) -> None:
     """Warn that a person stopped the run."""
     frames = track.poses.frames
-    warnings.warn(
+    warn_of_input(
         f"interrupted: frames {frames[0]} to {frames[-1]} of {span[0]} to {span[1] - 1} are "
         "tracked.",
         InputWarning,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -34,6 +33,7 @@ from pawnb.core.paws.offline.treadmill.pipeline import run_pipeline
 from pawnb.core.paws.offline.treadmill.recording import Recording, ReferenceAnnotations
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks
 
 
@@ -110,7 +110,7 @@ def track_treadmill(
     if not marks.all():
         scene = scene_of_paws(views, asked.of(~marks), settings)
         if not asked.is_looked and (words := _ambiguous(scene, views.names)) is not None:
-            warnings.warn(words, InputWarning, stacklevel=2)
+            warn_of_input(words, InputWarning, stacklevel=2)
     if marks.any():
         marked = asked.of(marks)
         check_landmarks(marked.layout, marked.anchors)

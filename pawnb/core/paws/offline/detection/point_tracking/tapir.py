@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import functools
 import importlib
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +15,7 @@ import numpy as np
 
 from pawnb.arrays import ByteArray, FloatArray
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 
 _INSTALL = (
     'python -m pip install "tapnet[torch] @ git+https://github.com/google-deepmind/tapnet.git"'
@@ -79,7 +79,7 @@ class Tapir:
     def tell_slow(self) -> None:
         """Warn that it will take long where there is no graphics card for it."""
         if self.device == "cpu":
-            warnings.warn(
+            warn_of_input(
                 "torch finds no graphics card, so the point tracker takes several seconds for each "
                 "frame and view; with --set point_tracker.side_px=256 a quarter of that, with less "
                 "detail.",
