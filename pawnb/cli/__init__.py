@@ -10,13 +10,13 @@ import argparse
 import contextlib
 import sys
 import traceback
-import warnings
 from collections.abc import Sequence
 
 from pawnb.cli.arguments import EXIT_BAD_INPUT, build_parser
 from pawnb.cli.output import readers_may_leave
 from pawnb.cli.shared import command_first, of_results
 from pawnb.errors import InputWarning, PawnbError, QualityWarning
+from pawnb.input_warnings import hearing_input_warnings
 
 __all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
 
@@ -51,23 +51,16 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _main(words: list[str]) -> int:
     """Run one command and print the notes of it."""
     options = build_parser().parse_args(command_first(words))
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", InputWarning)
+    told: list[InputWarning] = []
+    with hearing_input_warnings(told.append, shown=False):
         # JSON was asked for by name: -q leaves the notes away, and not it
         silent = options.quiet and not getattr(options, "json", False)
         with contextlib.redirect_stdout(None) if silent else contextlib.nullcontext():
             status = _run(options, ["pawnb", *of_results(words)])
-    for warning in caught:
-        if issubclass(warning.category, QualityWarning):
-            continue  # the command's own line says it
-        if options.quiet and issubclass(warning.category, InputWarning):
-            continue
-        if issubclass(warning.category, InputWarning):
-            print(f"pawnb: note: {warning.message}", file=sys.stderr)
-        else:
-            warnings.warn_explicit(
-                warning.message, warning.category, warning.filename, warning.lineno
-            )
+    for warning in told:
+        # of how good tracks are the command's own line tells
+        if not (options.quiet or isinstance(warning, QualityWarning)):
+            print(f"pawnb: note: {warning}", file=sys.stderr)
     return status
 
 

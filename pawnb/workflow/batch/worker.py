@@ -10,10 +10,10 @@ import json
 import os
 import sys
 import threading
-import warnings
 from typing import Any
 
 from pawnb.errors import InputWarning, PawnbError, QualityWarning
+from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import load_trial
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.tracking.track import track
@@ -30,8 +30,8 @@ def main() -> None:
 
 def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
     """Track the trial of an order; bad input becomes an answer, not an error."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", InputWarning)
+    warned: list[InputWarning] = []
+    with hearing_input_warnings(warned.append, shown=False):
         try:
             tracks = track(
                 load_trial(order["trial"]),
@@ -46,8 +46,7 @@ def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
             return {"status": "failed", "said": str(error)}
     if stop.is_set() and not tracks.sizes["time"]:
         return {"status": "stopped", "said": "interrupted before the first frame was tracked"}
-    told = [w for w in caught if not issubclass(w.category, QualityWarning)]
-    notes = [str(w.message) for w in told if issubclass(w.category, InputWarning)]
+    notes = [str(one) for one in warned if not isinstance(one, QualityWarning)]
     quality = assess_quality(tracks)
     done = f"{tracks.sizes['time']} frames, {order['out']}"
     status = "stopped" if stop.is_set() else "tracked"
