@@ -6,6 +6,7 @@ thread: a run that listened there would miss some of its own while, beside it, a
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -53,6 +54,20 @@ def warn_of_input(
         if not listener.is_shown:
             return
     warnings.warn(sentence, category, stacklevel=stacklevel + 1)
+
+
+def hide_warnings_of(library: str) -> None:
+    """Show no more what a library warns of, of odd files for example, which pawnb tells itself.
+
+    This is for good: filters are those of all threads, and one that is taken back where another
+    thread set its own may hide, or show, what it was not meant for.
+
+    Parameters
+    ----------
+    library : str
+        Name of the package whose modules warn.
+    """
+    warnings.filterwarnings("ignore", module=rf"{re.escape(library)}(\.|$)")
 
 
 @contextmanager

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import struct
-import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import numpy as np
 
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_bytes, write_whole
-from pawnb.input_warnings import warn_of_input
+from pawnb.input_warnings import hide_warnings_of, warn_of_input
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import HDF5_FAULTS
 from pawnb.io.lengths import units_per_unit
@@ -68,18 +67,17 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     """
     path = Path(path)
     c3d: Any = need("c3d", "c3d", what=f"to read {path.name}")
+    hide_warnings_of("c3d")
     data = read_bytes(path, expected=_EXPECTED, most_bytes=_MOST_BYTES)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            reader = c3d.Reader(io.BytesIO(data))
-            points = _labels(reader)
-            # analog channels are not wanted, and c3d cannot read the scale of a single one
-            reader.get_analog_transform = lambda: (1.0, 0.0)
-            rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
-            rate = float(reader.point_rate)
-            said = reader.get("POINT:UNITS")
-            found = said.string_value.strip() if said is not None else ""
+        reader = c3d.Reader(io.BytesIO(data))
+        points = _labels(reader)
+        # analog channels are not wanted, and c3d cannot read the scale of a single one
+        reader.get_analog_transform = lambda: (1.0, 0.0)
+        rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
+        rate = float(reader.point_rate)
+        said = reader.get("POINT:UNITS")
+        found = said.string_value.strip() if said is not None else ""
     except _FAULTS as error:
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         raise InputError(
@@ -154,6 +152,7 @@ def write_c3d(tracks: Tracks, path: str | Path) -> Path:
     """
     path = Path(path)
     c3d: Any = need("c3d", "c3d", what=f"to write {path.name}")
+    hide_warnings_of("c3d")
     own = take_space(tracks)
     own.only_animal("C3D")
     first = int(own.frames[0])
@@ -170,7 +169,5 @@ def write_c3d(tracks: Tracks, path: str | Path) -> Path:
     writer.point_group.add_str("UNITS", "unit of length", unit.ljust(4), 4)
     writer.add_frames([(row, np.zeros((0, 0))) for row in rows])
     data = io.BytesIO()
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        writer.write(data)
+    writer.write(data)
     return write_whole(path, data.getvalue())

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import glob
 import re
-import warnings
 from collections import defaultdict
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from pawnb.core.pixels.colour import GreyPicture, PackedPicture, Picture
 from pawnb.core.video.tiff import ODD, n_pictures
 from pawnb.errors import VideoError
 from pawnb.files import read_bytes
+from pawnb.input_warnings import hide_warnings_of
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
@@ -264,10 +264,9 @@ def _turn_notes(file: Path) -> list[str]:
     """
     if file.suffix.lower() not in (".jpg", ".jpeg"):
         return []  # of cameras and phones
-    with contextlib.suppress(*ODD), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of what else is odd in a picture it is told elsewhere
-        with Image.open(file) as picture:
-            asked = picture.getexif().get(_ORIENTATION, 1)
+    hide_warnings_of("PIL")  # of what else is odd in a picture it is told elsewhere
+    with contextlib.suppress(*ODD), Image.open(file) as picture:
+        asked = picture.getexif().get(_ORIENTATION, 1)
         if asked in range(2, 9):
             return [
                 f"{file} asks to be shown turned or mirrored (EXIF orientation {asked}): "

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import re
 import struct
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ from PIL import Image
 
 from pawnb.errors import VideoError
 from pawnb.files import check_file
+from pawnb.input_warnings import hide_warnings_of
 
 _DESCRIPTION = 270
 _AXES = re.compile(r"^(channels|slices|frames)=(\d+)", re.MULTILINE)
@@ -81,7 +81,6 @@ def _count(file: Any, path: Path) -> int:
 def opened(path: Path) -> Iterator[Any]:
     """Open a picture without a word about what is odd in it."""
     check_file(path, expected="a TIFF file", error=VideoError)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with Image.open(path) as file:
-            yield file
+    hide_warnings_of("PIL")
+    with Image.open(path) as file:
+        yield file

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import cv2
 import numpy as np
 import pytest
@@ -10,7 +12,9 @@ from video_clips import barcode, picture
 
 from pawnb.core.video import open_view
 from pawnb.core.video.pictures import PictureFolder, _is_whole, natural_key
+from pawnb.core.video.stack import PictureStack
 from pawnb.errors import VideoError
+from pawnb.input_warnings import warn_of_input
 from pawnb.trial import View
 
 
@@ -212,6 +216,19 @@ def test_a_stack_of_pictures_is_a_film(tmp_path, depth):
             np.testing.assert_array_equal(view.read(k), images[k])
         with view.again() as other:
             np.testing.assert_array_equal(other.read(7), images[7])
+
+
+def test_an_open_stack_hides_no_warnings(tmp_path):
+    """Of two views, closed in the order in which they were opened, none was shown ever after."""
+    paths = [write_stack(tmp_path / f"{n}.tif", [picture(k) for k in range(3)]) for n in "ab"]
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        stacks = [PictureStack(path) for path in paths]
+        warn_of_input("while they are open")
+        for stack in stacks:
+            stack.close()
+        warn_of_input("afterwards")
+    assert [str(one.message) for one in shown] == ["while they are open", "afterwards"]
 
 
 def test_of_sixteen_bits_those_in_use_are_shown_and_it_is_said(tmp_path):

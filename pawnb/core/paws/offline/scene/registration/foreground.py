@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -115,10 +114,10 @@ def _differences(pictures: ByteArray, camera: CameraMotion) -> Iterator[np.ndarr
         if not warped:
             yield np.zeros((height, width), np.float32)
             continue
-        with warnings.catch_warnings():  # places that no neighbour shows
-            warnings.simplefilter("ignore", RuntimeWarning)
-            background = np.nanmedian(warped, axis=0)
-        yield np.nan_to_num(np.abs(picture - background)).astype(np.float32)
+        others = np.stack(warped)
+        unseen = np.isnan(others).all(axis=0)  # by any neighbour: nothing differs there
+        others[0, unseen] = picture[unseen]
+        yield np.abs(picture - np.nanmedian(others, axis=0)).astype(np.float32)
 
 
 def _threshold(apart: np.ndarray, clicked: np.ndarray, row: int, extent: float) -> float:
