@@ -17,7 +17,11 @@ import numpy as np
 from pawnb.arrays import FloatArray, Points2D, Points3D
 from pawnb.core import dlt
 from pawnb.core.lens import cameras_of_views
-from pawnb.core.sightlines import find_epipolar_line, find_look_point
+from pawnb.core.sightlines import (
+    find_epipolar_line,
+    find_look_point,
+    find_nearest_on_sight_line,
+)
 from pawnb.errors import CalibrationError, InputWarning, did_you_mean
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.cameras import coefs_of_cameras
@@ -191,6 +195,10 @@ class Rig:
         """
         L_from, L_to = self.coefs[:, self.index(view_from)], self.coefs[:, self.index(view_to)]
         return find_epipolar_line(L_from, np.asarray(uv, dtype=float), L_to, size=size)
+
+    def nearest_in_sight(self, name: str, uv: Points2D, *, xyz: FloatArray) -> FloatArray:
+        """Return the point (3,) that a view sees at uv (2,) px and that is nearest to xyz (3,)."""
+        return find_nearest_on_sight_line(self.coefs[:, self.index(name)], uv, xyz)
 
 
 def load_rig(

@@ -61,13 +61,39 @@ def find_epipolar_line(
     """
     P_from, P_to = dlt.to_matrix(L_from), dlt.to_matrix(L_to)
     u, v = np.asarray(uv, dtype=float)
-    # the planes through the camera that give u and that give v meet in the line of sight
-    planes = np.stack([P_from[0] - u * P_from[2], P_from[1] - v * P_from[2]])
+    planes = _sight_planes(P_from, u, v)
     along = np.cross(planes[0, :3], planes[1, :3])
     near = np.linalg.lstsq(planes[:, :3], -planes[:, 3], rcond=None)[0]
     ends = np.stack([P_to @ np.append(near, 1.0), P_to @ np.append(along, 0.0)])
     ends /= np.linalg.norm(ends, axis=1, keepdims=True)
     return _clip_line(np.cross(*ends), size)
+
+
+def find_nearest_on_sight_line(L: FloatArray, uv: Points2D, xyz: FloatArray) -> AnyArray:
+    """Return the point of a line of sight that is nearest to a point in space.
+
+    Parameters
+    ----------
+    L : ndarray, shape (11,)
+        DLT coefficients of the view.
+    uv : ndarray, shape (2,)
+        Where the line is seen in it, px.
+    xyz : ndarray, shape (3,)
+        The point in space, in the unit of the calibration.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        The nearest point, which the view sees at ``uv``.
+    """
+    planes = _sight_planes(dlt.to_matrix(L), *np.asarray(uv, dtype=float))
+    off = planes @ np.append(xyz, 1.0)
+    return np.asarray(xyz, dtype=float) - np.linalg.lstsq(planes[:, :3], off, rcond=None)[0]
+
+
+def _sight_planes(P: FloatArray, u: float, v: float) -> FloatArray:
+    """Return the planes (2, 4) through a camera that give u and v: they meet in the line."""
+    return np.stack([P[0] - u * P[2], P[1] - v * P[2]])
 
 
 def find_fundamental_matrix(P_from: FloatArray, P_to: FloatArray) -> FloatArray:

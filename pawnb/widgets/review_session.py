@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.core.edits.effects import Retracker, triangulate_views, usable_views
+from pawnb.core.edits.effects import Retracker
 from pawnb.core.edits.log import Accept, Move
+from pawnb.core.edits.solving import triangulate_views, usable_views
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
@@ -167,6 +168,41 @@ class ReviewSession(StretchEdits):
             ]
         return (float(uv[0]), float(uv[1])) if np.isfinite(uv).all() else None
 
+    def say_seen_once(self, frame: int, point: str) -> str:
+        """Say in words what it means that one view only sees a point; empty where it is not so.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        point : str
+            The point.
+
+        Returns
+        -------
+        str
+            The end of a sentence.
+        """
+        with self.lock:
+            tracks, row, p = self.present, self._row(frame), self.points.index(point)
+            uv = tracks["image_position"].to_numpy()[row, :, :, p, 0]
+            used = usable_views(uv, tracks["image_origin"].to_numpy()[row, :, p, 0])
+            xyz = tracks["position"].to_numpy()[row, :, p, 0]
+        if self.rig is None or len(xyz) != 3 or used.sum() != 1:
+            return ""
+        view, again = self.views[int(used.argmax())], "place it in a second view as well"
+        if np.isfinite(xyz).all():
+            return f"; only {view} sees it, so its distance from there is a guess: {again}"
+        return f"; only {view} sees it, so it has no place in space here: {again}"
+
+    def is_seen(self, frame: int, view: str, point: str) -> bool:
+        """Whether a view has a point of its own: not missing, nor shown from its place in space."""
+        tracks, place = self.present, (self.views.index(view), self.points.index(point))
+        origin = int(tracks["image_origin"].to_numpy()[self._row(frame), *place, 0])
+        return (
+            origin != ORIGIN_CODE["reprojected"] and self.position(frame, view, point) is not None
+        )
+
     # --- what is drawn ------------------------------------------------------------------
 
     def overlay(self, frame: int) -> dict[str, Any]:
@@ -300,11 +336,14 @@ def _pair(uv: np.ndarray) -> list[float] | None:
     return [round(float(x), 1) for x in uv] if np.isfinite(uv).all() else None
 
 
+_FROM_SPACE = "shown from the 3D position; click in this view to place it"
+
+
 def _describe_point(origin: str, confidence: float, residual: float, off: float) -> str:
     """Say in words how sure a point is; distances in px, NaN where not known."""
     if origin == "missing":
         return "not visible here; click in this view to place it"
-    words = {"edited": "placed by hand", "reprojected": "shown from the 3D position"}
+    words = {"edited": "placed by hand", "reprojected": _FROM_SPACE}
     parts = [words.get(origin, f"{origin}, confidence {confidence:.2f}")]
     if np.isfinite(residual):
         parts.append(f"residual {residual:.1f} px")

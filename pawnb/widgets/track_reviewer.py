@@ -35,7 +35,7 @@ _TRACK_REVIEW_KEYS = (
         "Drag a point",
         "correct it; the other views show where it lies in them, and how far they are from it",
     ),
-    ("Click", "place a missing point, after choosing it above the picture"),
+    ("Click", "place a point that has no ring here, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
     ("A, Enter", "the chosen point is right as it is"),
     ("R", "track the corrected points again from this frame on"),
@@ -249,16 +249,16 @@ class TrackReviewer(Comparing, Questions):
         self.session = self.corrected = self._open_session(tracks)
 
     def _place_missing(self, frame: int, view: str, message: Mapping[str, Any]) -> None:
-        """Place the chosen point if it is missing; otherwise a click means nothing."""
+        """Place the chosen point if this view has none; otherwise a click means nothing."""
         chosen = message.get("selected")
-        if chosen and chosen[0] == view and self.session.position(frame, *chosen) is None:
+        if chosen and chosen[0] == view and not self.session.is_seen(frame, *chosen):
             u, v = float(message["u"]), float(message["v"])
             self._settle(frame, chosen[1], self.session.move(frame, *chosen, u=u, v=v))
 
     def _settle(self, frame: int, point: str, said: str) -> None:
         """Say what was corrected; it is not doubtful any more."""
         self._doubt_no_more(frame, point)
-        self._show_state(said)
+        self._show_state(said + self.session.say_seen_once(frame, point))
 
     def _act(self, action: str, frame: int, message: Mapping[str, Any]) -> int | None:
         """Do what a button, menu or its key asks for; may say which frame to show."""

@@ -305,6 +305,18 @@ def test_epipolar_line_holds_the_point_seen_in_the_other_view(treadmill):
         assert (ends <= np.array(SIZE) - 0.5 + 1e-9).all()
 
 
+def test_the_nearest_point_in_sight_is_seen_there_and_lies_straight_across(treadmill):
+    was = np.array([30.0, 5.0, 8.0])
+    uv = treadmill.project(was)[0] + (15.0, -6.0)
+    found = treadmill.nearest_in_sight("cam1", uv, xyz=was)
+    np.testing.assert_allclose(treadmill.project(found)[0], uv, atol=1e-6)
+    # any other point of that line, by the same uv from elsewhere, is farther away
+    other = treadmill.nearest_in_sight("cam1", uv, xyz=was + (0.0, 40.0, 0.0))
+    along = other - found
+    assert np.linalg.norm(along) > 10
+    assert abs(along @ (found - was)) < 1e-6 * np.linalg.norm(along) * np.linalg.norm(found - was)
+
+
 def test_epipolar_lines_of_affine_views_are_parallel():
     side = [2.0, 0, 0, 10, 0, 0, -2.0, 200, 0, 0, 0]
     below = [2.0, 0, 0, 10, 0, 2.0, 0, 40, 0, 0, 0]

@@ -50,6 +50,26 @@ def test_points_and_reprojections_lie_where_the_scene_has_them(trial):
     np.testing.assert_allclose(at(mark(overlay, "cam3", "hollow", "HR")), uv[2, 1], atol=0.01)
 
 
+def test_it_is_said_that_one_view_only_sees_a_point(trial):
+    tracks = scene.true_tracks()
+    tracks["image_origin"].to_numpy()[12, 1:, 0] = ORIGIN_CODE["reprojected"]
+    session = session_of(trial, tracks)
+    assert session.say_seen_once(11, "FR") == ""
+    again = "place it in a second view as well"
+    assert session.say_seen_once(12, "FR") == (
+        f"; only cam1 sees it, so its distance from there is a guess: {again}"
+    )
+    assert session.is_seen(12, "cam1", "FR")
+    assert not session.is_seen(12, "cam2", "FR")
+    session.delete(12, 13, "FR")
+    assert session.say_seen_once(12, "FR") == ""
+    u, v = scene.seen(12)[0, 0]
+    session.move(12, "cam1", "FR", u=u, v=v)
+    assert session.say_seen_once(12, "FR") == (
+        f"; only cam1 sees it, so it has no place in space here: {again}"
+    )
+
+
 def test_a_point_that_is_wrong_in_one_view_shows_up_in_that_view(trial):
     """FR has three views: leaving cam1 out, the two others are right about where it is."""
     tracks = scene.true_tracks()

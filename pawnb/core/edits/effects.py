@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any, Protocol
 
 import numpy as np
 
-from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
+from pawnb.arrays import BoolArray, IntArray
 from pawnb.core.edits.copies import copy_tracks
 from pawnb.core.edits.exchanges import exchange_again
 from pawnb.core.edits.hidden import hide_again
@@ -24,11 +23,9 @@ from pawnb.core.edits.records import (
     Retrack,
     Swap,
 )
+from pawnb.core.edits.solving import PositionSolver, RigLike
 from pawnb.core.edits.stretches import (
     EDITED,
-    MISSING,
-    PREDICTED,
-    REPROJECTED,
     clear,
     interpolate,
     only_within,
@@ -39,25 +36,9 @@ from pawnb.core.edits.stretches import (
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.pose.corrected import put_pose
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
-
-MEASURED, RESOLVED = ORIGIN_CODE["measured"], ORIGIN_CODE["resolved"]
+from pawnb.schema import Tracks, check_tracks
 
 Retracker = Callable[..., Tracks]
-
-
-class RigLike(Protocol):
-    """The two things asked of a rig; :class:`pawnb.core.rig.Rig` has them."""
-
-    @property
-    def names(self) -> Any:
-        """Names of its views."""
-
-    def triangulate(self, uv: Points2D) -> Any:
-        """Return xyz (..., 3) and residual_px (...) of uv (..., V, 2)."""
-
-    def project(self, xyz: Points3D) -> Points2D:
-        """Return uv (..., V, 2) of xyz (..., 3)."""
 
 
 def apply_edit(
@@ -75,8 +56,9 @@ def apply_edit(
     A corrected point is of origin ``edited`` with confidence 1. Its 3D position and
     residual are computed again from the views that see it (measured, resolved or
     edited; predicted ones only where fewer than two see it), and the views that show
-    it as ``reprojected`` follow. Without a rig, ``position`` is the image position in
-    the first view that has the point.
+    it as ``reprojected`` follow. What a person placed in the only view that sees it stays as
+    far from that camera as it was (origin ``resolved``), if it had a place in space. Without a
+    rig, ``position`` is the image position in the first view that has the point.
 
     Parameters
     ----------
@@ -121,7 +103,7 @@ def apply_edit(
         new = track_again(tracks, edit.frame, retrack, rig, px_per_unit)
         exchange = partial(apply_edit, rig=rig, px_per_unit=px_per_unit)
         new = exchange_again(tracks, new, exchanged, frame=edit.frame, exchange=exchange)
-        solver = partial(_PositionSolver, rig=rig, px_per_unit=px_per_unit)
+        solver = partial(PositionSolver, rig=rig, px_per_unit=px_per_unit)
         new = hide_again(new, hidden, frame=edit.frame, solver=solver)
         return new if edit.stop is None else only_within(tracks, new, edit)
     if is_pose(tracks) and isinstance(edit, Swap | Interpolate | Hide | Delete):
@@ -132,7 +114,7 @@ def apply_edit(
             "pawnb.widgets.PoseReviewer(trial, tracks)."
         )
     new = copy_tracks(tracks)
-    solve = _PositionSolver(new, rig, px_per_unit)
+    solve = PositionSolver(new, rig, px_per_unit)
     rows = rows_of_edit(new, edit)
     if isinstance(edit, Swap):
         _swap(new, edit, rows, solve)
@@ -143,7 +125,8 @@ def apply_edit(
         clear(new, rows, edit.point, view=edit.view)
     else:
         _put(new, row, edit)
-    solve(np.arange(rows.start, rows.stop), [place_of(new, "keypoint", edit.point)])
+    point, placed = place_of(new, "keypoint", edit.point), isinstance(edit, Move | Accept)
+    solve(np.arange(rows.start, rows.stop), [point], keep_depth=placed)
     return new
 
 
@@ -170,7 +153,7 @@ def _put(tracks: Tracks, row: int, edit: Move | Accept) -> None:
     tracks["image_confidence"].values[row, view, point, 0] = 1.0
 
 
-def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: _PositionSolver) -> None:
+def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: PositionSolver) -> None:
     """Exchange two points over some rows, in one view or in everything there is."""
     if edit.first == edit.second:
         raise InputError(f"a point cannot be exchanged with itself ({edit.first!r}).")
@@ -240,9 +223,9 @@ def _points_again(
     old_uv = tracks["image_position"].values[rows_old]
     new["image_position"].values[rows_new] = np.where(edited[:, :, None], old_uv, uv)
     touched = edited.any(axis=(1, 3)) & again
-    solve = _PositionSolver(new, rig, px_per_unit)
+    solve = PositionSolver(new, rig, px_per_unit)
     for point in np.flatnonzero(touched.any(axis=0)):
-        solve(rows_new[touched[:, point]], [int(point)])
+        solve(rows_new[touched[:, point]], [int(point)], keep_depth=True)
     return new
 
 
@@ -256,144 +239,3 @@ def _are_same(tracks: Tracks, rows: IntArray, others: Tracks, other_rows: IntArr
         pair = (tracks[name].values[rows], others[name].values[other_rows])
         same &= ((pair[0] == pair[1]) | (pair[0] != pair[0]) & (pair[1] != pair[1])).all(axis=axes)
     return same
-
-
-class _PositionSolver:
-    """Computes 3D positions again, in place, for some rows and points."""
-
-    def __init__(self, tracks: Tracks, rig: RigLike | None, px_per_unit: float | None) -> None:
-        flat = tracks.sizes["space"] == 2
-        if rig is None and not flat:
-            raise InputError(
-                "these tracks are in 3D, and no calibration was given to compute a corrected "
-                "point again; open them with their trial, or give rig=."
-            )
-        self.tracks, self.rig, self.px_per_unit = tracks, None if flat else rig, px_per_unit
-
-    def __call__(self, rows: IntArray, points: list[int]) -> None:
-        """Solve these rows (n,) and points (p,) again from their image positions."""
-        t = self.tracks
-        at = np.ix_(rows, np.asarray(points))
-        # (n, p, V, 2) and (n, p, V)
-        uv = np.moveaxis(t["image_position"].values[rows][:, :, :, points, 0], (1, 2), (2, 3))
-        origin = np.moveaxis(t["image_origin"].values[rows][:, :, points, 0], 1, 2)
-        confidence = np.moveaxis(t["image_confidence"].values[rows][:, :, points, 0], 1, 2)
-        used = usable_views(uv, origin)
-        if self.rig is None:
-            xyz, residual, used = self._first_view(uv, used)
-        else:
-            xyz, residual, used = triangulate_views(t, self.rig, uv, used=used)
-        there = np.isfinite(xyz).all(axis=-1)
-        t["position"].values[at[0], :, at[1], 0] = xyz
-        t["residual"].values[at[0], at[1], 0] = residual
-        count = np.maximum(used.sum(axis=-1), 1)
-        t["confidence"].values[at[0], at[1], 0] = np.where(
-            there, np.where(used, confidence, 0).sum(axis=-1) / count, 0.0
-        )
-        t["origin"].values[at[0], at[1], 0] = np.where(there, _best(origin, used), MISSING)
-        # the tracker's doubts do not describe what a person placed
-        if "sd" in t:
-            t["sd"].values[at[0], :, at[1], 0] = np.nan
-        if "revision" in t:
-            t["revision"].values[at[0], at[1], 0] = np.nan
-        if "passes_apart" in t:
-            t["passes_apart"].values[at[0], at[1], 0] = np.nan
-        for name in ("image_residual", "image_separation"):
-            if name in t:
-                t[name].values[at[0], :, at[1], 0] = np.nan
-        self._refresh_reprojected(rows, points, xyz, origin)
-
-    def _first_view(
-        self, uv: Points2D, used: BoolArray
-    ) -> tuple[FloatArray, FloatArray, BoolArray]:
-        """Without a calibration, the image position in the first view that has the point."""
-        first = used.argmax(axis=-1)[..., None]
-        only = used & (np.arange(used.shape[-1]) == first)
-        xy = np.take_along_axis(uv, first[..., None], axis=2)[:, :, 0]
-        xy = np.where(used.any(axis=-1, keepdims=True), xy, np.nan) / (self.px_per_unit or 1.0)
-        return xy, np.full(xy.shape[:-1], np.nan), only
-
-    def _refresh_reprojected(
-        self, rows: IntArray, points: list[int], xyz: FloatArray, origin: IntArray
-    ) -> None:
-        """Move the image positions that only show the 3D point in views not tracking it."""
-        follow = origin == REPROJECTED
-        if self.rig is None or not follow.any():
-            return
-        views = [str(name) for name in self.tracks["view"].to_numpy()]
-        projected = np.full((*xyz.shape[:-1], len(views), 2), np.nan)
-        places = [views.index(name) for name in self.rig.names if name in views]
-        keep = [name in views for name in self.rig.names]
-        projected[:, :, places] = np.asarray(self.rig.project(xyz))[:, :, keep]
-        n, p, view = np.nonzero(follow)
-        target = self.tracks["image_position"].values
-        target[rows[n], view, :, np.asarray(points)[p], 0] = projected[n, p, view]
-
-
-def usable_views(uv: Points2D, origin: IntArray) -> BoolArray:
-    """Tell which views count for a 3D point.
-
-    Parameters
-    ----------
-    uv : ndarray, shape (..., V, 2)
-        Image positions, px; NaN where missing.
-    origin : ndarray of int, shape (..., V)
-        Origin codes of :mod:`pawnb.schema`.
-
-    Returns
-    -------
-    ndarray of bool, shape (..., V)
-        Views that see the point (measured, resolved, edited). Where fewer than two do,
-        predicted positions count as well; a reprojected one never does, since it comes
-        from the 3D point itself.
-    """
-    there = np.isfinite(uv).all(axis=-1) & (origin != REPROJECTED) & (origin != MISSING)
-    seen = there & (origin != PREDICTED)
-    return np.where(seen.sum(axis=-1, keepdims=True) >= 2, seen, there)
-
-
-def triangulate_views(
-    tracks: Tracks, rig: RigLike, uv: Points2D, *, used: BoolArray
-) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Triangulate image positions that are in the order of the views of the tracks.
-
-    Parameters
-    ----------
-    tracks : xarray.Dataset
-        For the names of the views.
-    rig : Rig
-        The calibrated views, in any order.
-    uv : ndarray, shape (..., V, 2)
-        Image positions, px.
-    used : ndarray of bool, shape (..., V)
-        Which of them count.
-
-    Returns
-    -------
-    xyz : ndarray, shape (..., 3)
-        Positions in the unit of the rig; NaN with fewer than two views.
-    residual_px : ndarray, shape (...)
-        RMS reprojection error over the views used, px.
-    used : ndarray of bool, shape (..., V)
-        ``used`` without the views that the rig does not have.
-    """
-    views = [str(name) for name in tracks["view"].to_numpy()]
-    known = np.array([name in set(rig.names) for name in views])
-    used = used & known
-    in_rig = np.full((*uv.shape[:-2], len(rig.names), 2), np.nan)
-    for place, name in enumerate(rig.names):
-        if name in views:
-            view = views.index(name)
-            in_rig[..., place, :] = np.where(used[..., view, None], uv[..., view, :], np.nan)
-    found = rig.triangulate(in_rig)
-    enough = used.sum(axis=-1) >= 2
-    xyz = np.where(enough[..., None], np.asarray(found.xyz), np.nan)
-    return xyz, np.where(enough, np.asarray(found.residual_px), np.nan), used
-
-
-def _best(origin: IntArray, used: BoolArray) -> IntArray:
-    """Return the origin of a 3D point: the strongest among the views it was made from."""
-    result = np.full(origin.shape[:-1], PREDICTED, dtype=origin.dtype)
-    for code in (RESOLVED, MEASURED, EDITED):
-        result = np.where(((origin == code) & used).any(axis=-1), code, result)
-    return result

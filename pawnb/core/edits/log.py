@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pawnb.core.edits.copies import copy_tracks
-from pawnb.core.edits.effects import Retracker, RigLike, apply_edit, check_editable
+from pawnb.core.edits.effects import Retracker, apply_edit, check_editable
 from pawnb.core.edits.hidden import hidden_by_hand
 from pawnb.core.edits.made_anew import same_places, say_made_anew
 from pawnb.core.edits.records import (
@@ -32,6 +32,7 @@ from pawnb.core.edits.records import (
     Retrack,
     Swap,
 )
+from pawnb.core.edits.solving import RigLike
 from pawnb.core.edits.stretches import rows_of_edit
 from pawnb.core.edits.words import describe_edit
 from pawnb.errors import InputError

@@ -372,13 +372,14 @@ class Canvas extends Keys {
   }
 
   // The point that a click in a view places: what Python asks for, else the chosen point where
-  // that is missing; null where a click places none.
+  // that has no ring; null where a click places none.
   asked(stage) {
     const { asks, chips = [] } = stage.overlay;
     if (asks !== undefined) return asks;
     const [view, id] = this.selected || [];
-    const missing = chips.some((chip) => chip.id === id && chip.state === "missing");
-    return view === stage.name && missing ? id : null;
+    const { state } = chips.find((chip) => chip.id === id) || {};
+    const ringless = state === "missing" || state === "reprojected";
+    return view === stage.name && ringless ? id : null;
   }
 
   // Place, without a mouse, the point that a click would place: where the other views put it, else in

@@ -47,6 +47,10 @@ class FlatRig:
     def project(self, xyz):
         return np.stack([np.asarray(xyz) @ AXES[n].T for n in self.names], axis=-2)
 
+    def nearest_in_sight(self, name, uv, *, xyz):
+        # the view's own two directions by hand, the third as it was
+        return xyz + np.linalg.pinv(AXES[name]) @ (uv - AXES[name] @ xyz)
+
     def triangulate(self, uv):
         flat = np.asarray(uv).reshape(-1, len(self.names), 2)
         xyz, residual = [], []
@@ -161,6 +165,31 @@ def test_predicted_views_count_only_where_fewer_than_two_see_the_point():
     new = apply_edit(new, Hide(frame=3, view="b", point="P"), rig=rig)
     # now a (0, 0) and the prediction of c (30, 30): x = 0, y = 30, z = (0 - 30) / 2
     np.testing.assert_allclose(xyz_of(new, 3, "P"), [0, 30, -15], atol=1e-12)
+
+
+def test_a_point_of_one_view_stays_as_far_from_its_camera_when_a_person_places_it():
+    """It had a place in space by what the tracker knew of it; a correction took that away."""
+    tracks, rig = wand(), FlatRig()
+    tracks["image_origin"].values[2, 1:, 0] = ORIGIN_CODE["reprojected"]
+    tracks["origin"].values[2, 0] = ORIGIN_CODE["resolved"]
+    u, v = uv_of(tracks, 5, "a", "P")
+    same = apply_edit(tracks, Accept(frame=5, view="a", point="P", u=u, v=v), rig=rig)
+    np.testing.assert_allclose(xyz_of(same, 5, "P"), xyz_of(tracks, 5, "P"), atol=1e-12)
+    # view a looks along y: x and z are what the person says, y stays 0
+    new = apply_edit(tracks, Move(frame=5, view="a", point="P", u=4, v=-3), rig=rig)
+    np.testing.assert_allclose(xyz_of(new, 5, "P"), [4, 0, 3], atol=1e-12)
+    assert origin(new, 5, "P") == "resolved"
+    np.testing.assert_allclose(uv_of(new, 5, "b", "P"), [0, -3], atol=1e-12)
+    np.testing.assert_allclose(uv_of(new, 5, "c", "P"), [4, -3], atol=1e-12)
+    # placed in a second view it is where both lines of sight meet: y = 2
+    new = apply_edit(new, Move(frame=5, view="b", point="P", u=2, v=-3), rig=rig)
+    np.testing.assert_allclose(xyz_of(new, 5, "P"), [4, 2, 3], atol=1e-12)
+    assert origin(new, 5, "P") == "edited"
+    # what was taken away in space has no distance that could be kept
+    gone = apply_edit(new, Delete(frame=5, stop=6, point="P"), rig=rig)
+    gone = apply_edit(gone, Move(frame=5, view="a", point="P", u=4, v=-3), rig=rig)
+    assert np.isnan(xyz_of(gone, 5, "P")).all()
+    assert origin(gone, 5, "P") == "missing"
 
 
 def test_reprojected_positions_follow_the_3d_point_and_never_count():
