@@ -311,7 +311,7 @@ def test_the_nearest_point_in_sight_is_seen_there_and_lies_straight_across(tread
     found = treadmill.nearest_in_sight("cam1", uv, xyz=was)
     np.testing.assert_allclose(treadmill.project(found)[0], uv, atol=1e-6)
     # any other point of that line, by the same uv from elsewhere, is farther away
-    other = treadmill.nearest_in_sight("cam1", uv, xyz=was + (0.0, 40.0, 0.0))
+    other = treadmill.nearest_in_sight("cam1", uv, xyz=was + np.array([0.0, 40.0, 0.0]))
     along = other - found
     assert np.linalg.norm(along) > 10
     assert abs(along @ (found - was)) < 1e-6 * np.linalg.norm(along) * np.linalg.norm(found - was)
