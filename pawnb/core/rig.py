@@ -197,7 +197,22 @@ class Rig:
         return find_epipolar_line(L_from, np.asarray(uv, dtype=float), L_to, size=size)
 
     def nearest_in_sight(self, name: str, uv: Points2D, *, xyz: FloatArray) -> FloatArray:
-        """Return the point (3,) that a view sees at uv (2,) px and that is nearest to xyz (3,)."""
+        """Return the point that a view sees at some place and that is nearest to another point.
+
+        Parameters
+        ----------
+        name : str
+            The view.
+        uv : ndarray, shape (2,)
+            Where it sees the point, px.
+        xyz : ndarray, shape (3,)
+            The other point, in the unit of the calibration.
+
+        Returns
+        -------
+        ndarray, shape (3,)
+            The nearest point that is seen there.
+        """
         return find_nearest_on_sight_line(self.coefs[:, self.index(name)], uv, xyz)
 
 

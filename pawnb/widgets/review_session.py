@@ -196,7 +196,22 @@ class ReviewSession(StretchEdits):
         return f"; only {view} sees it, so it has no place in space here: {again}"
 
     def is_seen(self, frame: int, view: str, point: str) -> bool:
-        """Whether a view has a point of its own: not missing, nor shown from its place in space."""
+        """Whether a view has a point of its own: not missing, nor shown from its place in space.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        view : str
+            The view.
+        point : str
+            The point.
+
+        Returns
+        -------
+        bool
+            Whether there is a ring to drag.
+        """
         tracks, place = self.present, (self.views.index(view), self.points.index(point))
         origin = int(tracks["image_origin"].to_numpy()[self._row(frame), *place, 0])
         return (

@@ -28,7 +28,22 @@ class RigLike(Protocol):
         """Return uv (..., V, 2) of xyz (..., 3)."""
 
     def nearest_in_sight(self, name: str, uv: Points2D, *, xyz: FloatArray) -> FloatArray:
-        """Return the point that a view sees at uv (2,) and that is nearest to xyz (3,)."""
+        """Return the point that a view sees at some place and that is nearest to another point.
+
+        Parameters
+        ----------
+        name : str
+            The view.
+        uv : ndarray, shape (2,)
+            Where it sees the point, px.
+        xyz : ndarray, shape (3,)
+            The other point, in the unit of the calibration.
+
+        Returns
+        -------
+        ndarray, shape (3,)
+            The nearest point that is seen there.
+        """
 
 
 class PositionSolver:
