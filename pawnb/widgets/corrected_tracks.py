@@ -156,12 +156,14 @@ class CorrectedTracks:
         Raises
         ------
         InputError
-            If no tracker was given, it is running already, or it fails.
+            If no tracker was given, it is running already or fails, or another window has made
+            corrections meanwhile.
         """
         if self._tracker is None:
             raise InputError("no tracker was given; open the review with retrack=.")
         with self.lock:
             self._check_idle()
+            self._log.check_alone()  # else it would be refused once it is tracked
             before = self._log.tracks
             self.busy = True
         try:

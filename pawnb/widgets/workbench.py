@@ -87,6 +87,7 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         self._told = widgets.Label()
         self._told.add_class("pawnb-wrap").add_class("pawnb-next")
         self._list, self._desk = widgets.VBox(), widgets.VBox()
+        self._list.add_class("pawnb-trials")
         stop = self._button("Stop", lambda: self.session.stop.set(), icon="stop")
         self.work = BackgroundWork(
             stop, around=self.look_again, failed=partial(self._tell, wrong=True)
@@ -175,6 +176,9 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
         shown = self.session.states[self._first : self._first + _PAGE]
         rows = [self._row(state) for state in shown]
         cells = [self._cell(t, strong=True) for t in ("trial", *DONE, "next")] if rows else []
+        for row in [cells, *rows] if rows else []:
+            row[0].add_class("pawnb-own-line")  # where the page is narrow: surroundings.css
+            row[-1].add_class("pawnb-own-line")
         grid = widgets.GridBox(
             [*cells, *(cell for row in rows for cell in row)],
             layout={"grid_template_columns": _COLUMNS, "align_items": "center"},

@@ -50,6 +50,15 @@ def test_points_and_reprojections_lie_where_the_scene_has_them(trial):
     np.testing.assert_allclose(at(mark(overlay, "cam3", "hollow", "HR")), uv[2, 1], atol=0.01)
 
 
+def test_nothing_is_tracked_again_where_another_window_has_made_corrections(trial):
+    asked = []
+    first, second = (session_of(trial, retrack=lambda *_: asked.append(1)) for _ in range(2))
+    first.hide(3, "cam1", "FR")
+    with pytest.raises(InputError, match="another window or program has made corrections since"):
+        second.retrack(5)
+    assert (asked, second.busy) == ([], False)
+
+
 def test_it_is_said_that_one_view_only_sees_a_point(trial):
     tracks = scene.true_tracks()
     tracks["image_origin"].to_numpy()[12, 1:, 0] = ORIGIN_CODE["reprojected"]
