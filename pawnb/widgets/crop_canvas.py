@@ -113,11 +113,12 @@ class CropCanvas(FrameCanvas):
         u0, v0, u1, v1 = view.crop or (0, 0, width, height)
         left, top, right, bottom = u0, v0, u1 - 1, v1 - 1
         own = {"colour": DRAWN_COLOUR}
+        corner = own | {"clamped": True}  # let go outside of the picture, it is on its border
         ring = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]]
         return {
             "points": [
-                {"id": _LEFT_TOP, "u": left, "v": top, **own},
-                {"id": _RIGHT_BOTTOM, "u": right, "v": bottom, **own},
+                {"id": _LEFT_TOP, "u": left, "v": top, **corner},
+                {"id": _RIGHT_BOTTOM, "u": right, "v": bottom, **corner},
             ],
             "lines": [{"at": ring, **own}],
         }

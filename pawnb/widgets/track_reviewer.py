@@ -33,7 +33,8 @@ _TRACK_REVIEW_KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
     (
         "Drag a point",
-        "correct it; the other views show where it lies in them, and how far they are from it",
+        "correct it; the other views show where it lies in them, and how far they are from it. "
+        "Let go outside of the picture, or Esc: it stays where it was",
     ),
     ("Click", "place a point that has no ring here, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),

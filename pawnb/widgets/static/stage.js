@@ -136,6 +136,13 @@ class Stage extends Marks {
     return u >= -0.5 && v >= -0.5 && u < this.W - 0.5 && v < this.H - 0.5;
   }
 
+  // Whether the mouse is outside of what is shown of the view, by more than a hand that overshoots.
+  isAway({ x, y }) {
+    const over = GRAB_PX * (window.devicePixelRatio || 1);
+    const { width, height } = this.marks;
+    return x < -over || y < -over || x > width + over || y > height + over;
+  }
+
   setOverlay(overlay) {
     this.overlay = overlay;
     this.over = null;
@@ -238,13 +245,19 @@ class Stage extends Marks {
       const { scale, tx, ty } = this.zoom;
       this.setZoom(scale, tx + at.x - drag.x1, ty + at.y - drag.y1);
     } else if (drag.kind === "point" && drag.moved) {
-      drag.point.u = Math.min(Math.max(at.u + drag.du, -0.49), this.W - 0.51);
-      drag.point.v = Math.min(Math.max(at.v + drag.dv, -0.49), this.H - 0.51);
+      const { du, dv, was } = drag;
+      const to = [
+        Math.min(Math.max(at.u + du, -0.49), this.W - 0.51),
+        Math.min(Math.max(at.v + dv, -0.49), this.H - 0.51),
+      ];
+      drag.away = !drag.point.kind && !drag.point.clamped && this.isAway(at);
+      [drag.point.u, drag.point.v] = drag.away ? was : to;
       drag.whole = !e.ctrlKey && !e.metaKey;
       if (drag.point.kind) this.stick.drag(drag.point.id, drag.point.u, drag.point.v, drag.whole);
     }
     [drag.x1, drag.y1] = [at.x, at.y];
-    this.marks.style.cursor = { point: "grabbing", pan: "move" }[drag.kind] || "crosshair";
+    const grip = drag.away ? "not-allowed" : "grabbing";
+    this.marks.style.cursor = { point: grip, pan: "move" }[drag.kind] || "crosshair";
     this.host.redraw();
   }
 
@@ -259,6 +272,8 @@ class Stage extends Marks {
       this.zoomToRectangle(drag.x, drag.y, at.x, at.y);
       this.host.closer.zoomed(this);
       this.host.setRectangle(false);
+    } else if (drag.away) {
+      // let go outside of the picture: it has gone back to where it was
     } else if (drag.kind === "point" && drag.moved) {
       const { id, u, v } = drag.point;
       const takeBack = () => {

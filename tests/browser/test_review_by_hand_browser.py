@@ -1,4 +1,4 @@
-"""Corrections in space, in a real browser: what one view, then a second, makes of a point."""
+"""Corrections by hand, in a real browser: in space, and let go outside of the picture."""
 
 import json
 
@@ -41,4 +41,34 @@ w""")
         "cam1", "cam2",
     ]  # fmt: skip
     assert "only" not in status.inner_text()
+    notebook.assert_no_errors()
+
+
+def test_a_point_that_is_let_go_outside_of_the_picture_stays_where_it_was(notebook, trial_file):
+    """It was put on the border of the picture, as a person's word; zoomed in, out of sight."""
+    notebook.show(f"""import small_trial as scene
+from pawnb.widgets import TrackReviewer
+w = TrackReviewer({str(trial_file)!r}, scene.true_tracks())
+w""")
+    file, mouse = trial_file.parent / "results" / "edits.jsonl", notebook.page.mouse
+    first = scene.seen(0)[0, 0]
+    x, y = notebook.at("cam1", *first)
+    top = notebook.page.locator("[data-view=cam1] .pawnb-marks").bounding_box()["y"]
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x, top - 40, steps=5)
+    held = notebook.js("c.stages[0].drag.point")
+    np.testing.assert_allclose((held["u"], held["v"]), first, atol=0.01)
+    mouse.up()
+    notebook.settle()
+    assert not file.exists()
+    # a hand that overshoots a little means the border
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x, top - 6, steps=5)
+    mouse.up()
+    notebook.settle()
+    (made,) = [json.loads(line) for line in file.read_text().splitlines()]
+    assert made["edit"] == "move"
+    assert made["v"] == pytest.approx(-0.49)
     notebook.assert_no_errors()
