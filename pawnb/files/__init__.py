@@ -10,7 +10,7 @@ once goes through a :class:`GuardedFile`. Nothing else in pawnb writes to the di
 
 from pawnb.files.folder import Listing, check_replaceable, staged, staged_files
 from pawnb.files.growing import open_growing, write_at
-from pawnb.files.guard import GuardedFile
+from pawnb.files.guard import GuardedFile, find_standing_folder, say_moved
 from pawnb.files.lock import locked
 from pawnb.files.names import as_word, child_folder, distinct_name, safe_name
 from pawnb.files.reading import (
@@ -43,6 +43,7 @@ __all__ = [
     "check_replaceable",
     "child_folder",
     "distinct_name",
+    "find_standing_folder",
     "is_copy",
     "is_leftover",
     "keep_copy",
@@ -54,6 +55,7 @@ __all__ = [
     "read_toml",
     "remove_leftovers",
     "safe_name",
+    "say_moved",
     "staged",
     "staged_files",
     "sync_folder",

@@ -32,7 +32,8 @@ class GuardedFile:
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
+        self.path = Path(path).absolute()  # a notebook may go to another folder meanwhile
+        self._folder = find_standing_folder(self.path)
         self._known = _checksum(self.path)
 
     @contextmanager
@@ -48,8 +49,11 @@ class GuardedFile:
         Raises
         ------
         InputError
-            If the file is no longer as this window knows it, or another one is writing it.
+            If the file is no longer as this window knows it, another one is writing it, or its
+            folder was moved.
         """
+        if not self._folder.is_dir():
+            raise InputError(f"{say_moved(self._folder, self.path)}; {refused}.")
         self.path.parent.mkdir(parents=True, exist_ok=True)
         with locked(self.path, remedy=refused, wait_s=_WAIT_S):
             self.check(refused=refused)
@@ -63,6 +67,16 @@ class GuardedFile:
                 f"{self.path}: changed by another window or program since it was opened here; "
                 f"{refused}."
             )
+
+
+def find_standing_folder(path: Path) -> Path:
+    """Return the nearest folder above a file that is there: what is missing may be made in it."""
+    return next((folder for folder in path.parents if folder.is_dir()), path.parent)
+
+
+def say_moved(folder: Path, path: Path) -> str:
+    """Say that the folder of a file is there no more: nothing is written where it was."""
+    return f"{folder}: moved, renamed or deleted since {path.name} was opened in it"
 
 
 def _checksum(path: Path) -> bytes | None:

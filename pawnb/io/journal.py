@@ -18,9 +18,11 @@ from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_type
 from pawnb.errors import InputError, did_you_mean
 from pawnb.files import (
     check_file,
+    find_standing_folder,
     locked,
     open_growing,
     read_bytes,
+    say_moved,
     sync_folder,
     write_at,
     write_whole,
@@ -196,7 +198,8 @@ class Journal(Generic[RecordT]):
     """
 
     def __init__(self, path: str | Path, lines: LineFormat[RecordT], *, made_in: str) -> None:
-        self.path = Path(path)
+        self.path = Path(path).absolute()  # a notebook may go to another folder meanwhile
+        self._folder = find_standing_folder(self.path)
         self._lines, self._made_in = lines, made_in
         self.entries, data, self.notes = _read(self.path, lines)
         self._size, self._tail = len(data), data[-_TAIL_BYTES:]
@@ -214,9 +217,14 @@ class Journal(Generic[RecordT]):
         Raises
         ------
         InputError
-            If the file was changed by somebody else since it was read, or cannot be written; the
-            line is not in it then.
+            If the file was changed by somebody else since it was read, its folder was moved, or
+            it cannot be written; the line is not in it then.
         """
+        if not self._folder.is_dir():
+            raise InputError(
+                f"{say_moved(self._folder, self.path)}, so this correction was not made; open the "
+                f"{self._made_in} there and repeat it."
+            )
         line = (self._lines.to_line(entry) + "\n").encode()
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)

@@ -11,8 +11,9 @@ import pandas as pd
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
-from pawnb.trial import Trial, load_trial
+from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, ViewSource
+from pawnb.widgets.opened_trial import open_trial
 from pawnb.widgets.start_session import StartSession
 from pawnb.widgets.start_words import what_contradicts
 from pawnb.workflow.start.propose import StartProposal, propose_paws
@@ -78,7 +79,7 @@ class ClickInitialiser(FrameCanvas):
         rig: Rig | None = None,
         **options: Any,
     ) -> None:
-        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        trial = open_trial(trial)
         self._own_views = open_views(trial, share_memory=True) if views is None else None
         shown: ViewSource = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
         self.session = StartSession(

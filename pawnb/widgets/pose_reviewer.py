@@ -13,9 +13,10 @@ from pawnb.core.edits.log import Pose
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
-from pawnb.trial import Trial, load_trial
+from pawnb.trial import Trial
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import NO_PLACING, Overlay
+from pawnb.widgets.opened_trial import open_trial
 from pawnb.widgets.pose_review_session import PoseReviewSession
 from pawnb.widgets.retracking import RetrackTrial, as_sentence, say_taken
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
@@ -107,10 +108,10 @@ class PoseReviewer(StickPoser, Comparing):
         views: ViewSet | None = None,
         **options: Any,
     ) -> None:
-        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        trial = open_trial(trial)
         self._prepare(trial, retrack)
-        edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
-        folder = Path(out) if out is not None else edits.parent
+        edits = Path(edits or results_folder(trial) / "edits.jsonl").absolute()
+        folder = Path(out).absolute() if out is not None else edits.parent
         self._count_minutes(edits)
         self._open_corrected = partial(
             StretchEdits,

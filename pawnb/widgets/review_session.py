@@ -195,6 +195,35 @@ class ReviewSession(StretchEdits):
             return f"; only {view} sees it, so its distance from there is a guess: {again}"
         return f"; only {view} sees it, so it has no place in space here: {again}"
 
+    def say_lost(self, first: int, stop: int, point: str) -> str:
+        """Say in words in how many frames one view only is left of a point over a stretch.
+
+        Parameters
+        ----------
+        first, stop : int
+            First frame, and one past the last.
+        point : str
+            The point.
+
+        Returns
+        -------
+        str
+            The end of a sentence; empty where it is so in none.
+        """
+        if self.rig is None or self.present.sizes["space"] != 3:
+            return ""
+        with self.lock:
+            tracks, p = self.present, self.points.index(point)
+            frames = tracks["frame"].to_numpy()
+            rows = np.flatnonzero((frames >= first) & (frames < stop))
+            uv = tracks["image_position"].to_numpy()[rows, :, :, p, 0]
+            used = usable_views(uv, tracks["image_origin"].to_numpy()[rows, :, p, 0])
+            lost = np.isnan(tracks["position"].to_numpy()[rows, :, p, 0]).any(axis=1)
+        n = int((lost & (used.sum(axis=1) == 1)).sum())
+        if not n:
+            return ""
+        return f"; in {n} of these frames only one view has {point}, so it has no place in space"
+
     def is_seen(self, frame: int, view: str, point: str) -> bool:
         """Whether a view has a point of its own: not missing, nor shown from its place in space.
 

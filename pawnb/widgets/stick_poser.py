@@ -16,10 +16,11 @@ from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
-from pawnb.trial import Trial, load_trial
+from pawnb.trial import Trial
 from pawnb.widgets.click_initialiser import trial_span
 from pawnb.widgets.fit_layers import FitLayers
 from pawnb.widgets.frame_canvas import NO_PLACING, FrameCanvas, Overlay
+from pawnb.widgets.opened_trial import open_trial
 from pawnb.widgets.picture_layers import PictureLayers
 from pawnb.widgets.scale_clicks import ScaleClicks
 from pawnb.widgets.stick_actions import KEYS, stick_actions
@@ -90,7 +91,7 @@ class StickPoser(FrameCanvas):
         session: StickSession | None = None,
         **options: Any,
     ) -> None:
-        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        trial = open_trial(trial)
         self.trial = trial
         shown = open_views(trial, share_memory=True) if views is None else views
         self._own_views = shown if views is None else None

@@ -17,10 +17,11 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.files import GuardedFile
 from pawnb.schema import Tracks
-from pawnb.trial import Trial, load_trial
+from pawnb.trial import Trial
 from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, ViewSource
+from pawnb.widgets.opened_trial import open_trial
 from pawnb.widgets.questions import Questions
 from pawnb.widgets.retracking import RetrackTrial, as_sentence, file_beside, say_taken
 from pawnb.widgets.review_session import ReviewSession
@@ -123,12 +124,12 @@ class TrackReviewer(Comparing, Questions):
         rig: Rig | None = None,
         **options: Any,
     ) -> None:
-        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        trial = open_trial(trial)
         self._prepare(trial, retrack)
         self._own_views = open_views(trial, share_memory=True) if views is None else None
         shown: ViewSource = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
-        edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
-        folder = Path(out) if out is not None else edits.parent
+        edits = Path(edits or results_folder(trial) / "edits.jsonl").absolute()
+        folder = Path(out).absolute() if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
         self._given_doubtful = suspects
         self._answers_file = file_beside(edits, "answers")
@@ -198,7 +199,7 @@ class TrackReviewer(Comparing, Questions):
             If the file or the videos cannot be used.
         """
         told = {name: options.pop(name) for name in ("program", "animal") if name in options}
-        foreign = open_foreign(path, videos, fps=fps, **told)
+        foreign = open_foreign(Path(path).absolute(), videos, fps=fps, **told)
         file = foreign.path
         target = GuardedFile(corrected_file(file))
         options = {"edits": file.with_name(f"{file.name}.edits.jsonl"), **options}
@@ -320,6 +321,7 @@ class TrackReviewer(Comparing, Questions):
         self._tracked_again()
         for name in settled:
             self._doubt_no_more(first, name, stop=stop)
+            said += session.say_lost(first, stop, name)
         self._show_state(said)
         return None
 

@@ -27,6 +27,7 @@ from pawnb.widgets.workbench_parts import (
     ROW,
     Tool,
     cell,
+    list_trials,
     show_findings,
     show_results,
     step_menu,
@@ -40,7 +41,6 @@ _PAGE = 20
 """Trials that are listed at once."""
 _LEAST_BENCH_PX, _AROUND_PX = 300, 380
 """Least height of the pictures, and what the timeline and buttons around them take, CSS px."""
-_COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(12em, 3fr)"
 _WRONG_IN_BENCH = {False: "#B3261E", True: "#FFB4AB"}
 
 
@@ -175,14 +175,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             self._show_head(len(self.session.states))
         shown = self.session.states[self._first : self._first + _PAGE]
         rows = [self._row(state) for state in shown]
-        cells = [self._cell(t, strong=True) for t in ("trial", *DONE, "next")] if rows else []
-        for row in [cells, *rows] if rows else []:
-            row[0].add_class("pawnb-own-line")  # where the page is narrow: surroundings.css
-            row[-1].add_class("pawnb-own-line")
-        grid = widgets.GridBox(
-            [*cells, *(cell for row in rows for cell in row)],
-            layout={"grid_template_columns": _COLUMNS, "align_items": "center"},
-        )
+        heads = [self._cell(t, strong=True) for t in ("trial", *DONE, "next")]
+        grid = list_trials([heads, *rows] if rows else [])
         wrong = [self._cell(f"{s.name}: {s.wrong}", wrong=True) for s in shown if s.wrong]
         self._list.children = (grid, *wrong)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import ipywidgets as widgets
 
-from pawnb.workflow.workbench.states import WORK_STEPS, Step
+from pawnb.workflow.workbench.states import DONE, WORK_STEPS, Step
 
 ROW = {"flex_flow": "row wrap", "align_items": "center"}
 """A line of parts that goes on below where it is too long."""
@@ -87,6 +87,29 @@ def cell(text: str, colour: str | None, *, strong: bool = False, wrap: bool = Fa
     if wrap or colour:
         label.add_class("pawnb-wrap")
     return label
+
+
+def list_trials(rows: Sequence[Sequence[Any]]) -> Any:
+    """Return the list of trials; in a narrow page each goes on over several lines.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of widget
+        The heads, then a line each: the trial, what is done, and the next step.
+
+    Returns
+    -------
+    widget
+        The list.
+    """
+    for first, *_, last in rows:
+        first.add_class("pawnb-own-line")  # where the page is narrow: surroundings.css
+        last.add_class("pawnb-own-line")
+    columns = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(12em, 3fr)"
+    return widgets.GridBox(
+        [one for row in rows for one in row],
+        layout={"grid_template_columns": columns, "align_items": "center"},
+    )
 
 
 def step_menu(steps: Sequence[Step], do: Callable[[Step], object]) -> Any:

@@ -79,7 +79,7 @@ class WorkbenchSession:
     """
 
     def __init__(self, folder: str | Path) -> None:
-        self.folder = Path(folder)
+        self.folder = Path(folder).absolute()  # a notebook may go to another folder meanwhile
         self.stop = threading.Event()
         self._reviewed: set[Path] = set()
         self.states: list[TrialState] = []

@@ -48,6 +48,15 @@ def test_a_file_that_is_taken_away_or_comes_back_is_noticed(tmp_path):
     guard.check(refused=REFUSED)
 
 
+def test_nothing_is_written_where_a_folder_was_before_it_was_renamed(tmp_path):
+    (tmp_path / "m07").mkdir()
+    guard = GuardedFile(tmp_path / "m07" / "results" / "tracks.nc")
+    (tmp_path / "m07").rename(tmp_path / "m08")
+    with pytest.raises(InputError, match="m07: moved, renamed or deleted since"):
+        write(guard, "one")
+    assert [path.name for path in tmp_path.iterdir()] == ["m08"]
+
+
 @pytest.mark.slow
 def test_of_many_processes_that_write_at_once_one_wins(tmp_path):
     path = tmp_path / "start.csv"

@@ -115,6 +115,27 @@ def test_a_file_that_was_taken_away_is_not_begun_anew(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_lines_go_where_the_file_was_opened_wherever_the_notebook_goes(tmp_path, monkeypatch):
+    """After ``%cd`` they went into a file of the same name below the other folder."""
+    for name in ("m07", "elsewhere"):
+        (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path)
+    journal = Journal("m07/results/notes.jsonl", LINES, made_in="book")
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    journal.append("undo")
+    assert read_journal(tmp_path / "m07" / "results" / "notes.jsonl", LINES) == (["undo"], [])
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+
+
+def test_no_line_goes_where_a_folder_was_before_it_was_renamed(tmp_path):
+    (tmp_path / "m07").mkdir()
+    journal = Journal(tmp_path / "m07" / "results" / "notes.jsonl", LINES, made_in="book")
+    (tmp_path / "m07").rename(tmp_path / "m08")
+    with pytest.raises(InputError, match="m07: moved, renamed or deleted since"):
+        journal.append("undo")
+    assert [path.name for path in tmp_path.iterdir()] == ["m08"]
+
+
 def test_a_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "notes.jsonl"
     path.write_bytes(b"\xff\xfe\x00")

@@ -70,6 +70,13 @@ def test_it_is_said_that_one_view_only_sees_a_point(trial):
     )
     assert session.is_seen(12, "cam1", "FR")
     assert not session.is_seen(12, "cam2", "FR")
+    # of a stretch it is said in how many frames: hidden where one other view is left
+    session.hide(10, "cam3", "FR", stop=12)
+    assert session.say_lost(10, 12, "FR") == ""
+    session.hide(10, "cam2", "FR", stop=12)
+    assert session.say_lost(8, 12, "FR") == (
+        "; in 2 of these frames only one view has FR, so it has no place in space"
+    )
     session.delete(12, 13, "FR")
     assert session.say_seen_once(12, "FR") == ""
     u, v = scene.seen(12)[0, 0]

@@ -1,6 +1,7 @@
 """TrackReviewer without a browser: what it offers to look at."""
 
 import dataclasses
+import os
 import warnings
 
 import numpy as np
@@ -188,6 +189,28 @@ def put(widget, frame, **more):
     where = {"frame": frame, "view": "cam1", "point": "HR", "u": 9.0, "v": 9.0}
     message = {"type": "edit", "who": "a", "n": 1, "what": "moved", **where, **more}
     widget._receive(widget, message, [])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows renames no folder whose films are open")
+def test_what_is_corrected_and_saved_stays_with_its_trial(tmp_path, monkeypatch):
+    """The notebook goes to another folder; then the trial's folder is renamed."""
+    scene.write_trial(tmp_path / "m07")
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    widget = TrackReviewer("m07", scene.true_tracks())
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    put(widget, 3)
+    put(widget, 3, what="action", action="save")
+    assert widget.alarm == ""
+    kept = {path.name for path in (tmp_path / "m07" / "results").iterdir()}
+    assert {"edits.jsonl", "tracks.nc"} <= kept
+    assert list((tmp_path / "elsewhere").iterdir()) == []
+    (tmp_path / "m07").rename(tmp_path / "m08")
+    put(widget, 4)
+    assert "moved, renamed or deleted since edits.jsonl was opened" in widget.alarm
+    put(widget, 4, what="action", action="save")
+    assert not (tmp_path / "m07").exists()
+    widget.close()
 
 
 def test_a_second_window_saves_no_tracks_that_lack_what_the_first_corrected(trial_file, tmp_path):

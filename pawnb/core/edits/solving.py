@@ -68,9 +68,9 @@ class PositionSolver:
         points : list of int
             Which points.
         keep_depth : bool
-            Whether a point that one view only sees by a person's word stays as far from its
-            camera as it was, which is what the tracker gives points of one view. Not for what
-            was taken away in another view: the place came from there.
+            Whether a point that one view only sees stays as far from its camera as it was, which
+            is what the tracker gives points of one view. Not for what was taken away,
+            exchanged or interpolated: the place came from what was wrong.
         """
         t = self.tracks
         at = np.ix_(rows, np.asarray(points))
@@ -86,10 +86,10 @@ class PositionSolver:
             xyz, residual, used = triangulate_views(t, self.rig, uv, used=used)
             best = _best(origin, used)
             if keep_depth:
-                alone = used & (origin == EDITED) & (used.sum(axis=-1, keepdims=True) == 1)
+                alone = used & (used.sum(axis=-1, keepdims=True) == 1)
                 was = np.moveaxis(t["position"].values[rows][:, :, points, 0], 1, 2)
                 xyz = self._in_sight(self.rig, uv, alone=alone, was=was, otherwise=xyz)
-                best = np.where(alone.any(axis=-1), RESOLVED, best)
+                best = np.where(alone.any(axis=-1) & (best != PREDICTED), RESOLVED, best)
         there = np.isfinite(xyz).all(axis=-1)
         t["position"].values[at[0], :, at[1], 0] = xyz
         t["residual"].values[at[0], at[1], 0] = residual

@@ -112,6 +112,8 @@ class WorkingTime:
             try:
                 self._file.append(entry)
             except InputError:
+                if not self._file.path.parent.is_dir():
+                    return  # it was moved away, and is not made anew where it was
                 self._open()
             else:
                 self._kept += entry.seconds
