@@ -173,13 +173,15 @@ def _by_expected_errors(
     weights = np.stack([weigh(doubt) for doubt in doubts])
     # it shows best where it is seen, and least like itself
     sure = tracks["image_confidence"].isel(individual=0).to_numpy()
-    showing = np.where(recognised(tracks), 1.0 - np.nan_to_num(sure), -1.0)
+    seen = recognised(tracks)
+    showing = np.where(seen, 1.0 - np.nan_to_num(sure), -1.0)
     rows = []
     for t, score, expected, worst in looks:
         for p in np.argsort(-expected, kind="stable").tolist():
             if expected[p] >= SECOND_SHARE * expected.max():
                 at = int(worst[p])
-                view = views[int(showing[at, :, p].argmax())]
+                # the frame that is listed is the one looked at: its views come first
+                view = views[int((showing[at, :, p] + 2.0 * seen[t, :, p]).argmax())]
                 when = _elsewhere_in_words(int(frames[at]), int(frames[t]))
                 said = when + _heaviest(doubts, weights[:, at, p], at, p)
                 rows.append((int(frames[t]), view, points[p], said, round(score, 4)))

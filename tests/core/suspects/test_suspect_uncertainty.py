@@ -102,6 +102,13 @@ def test_the_view_told_is_one_that_shows_the_point():
         one["image_origin"].values[200:212, v, 1, 0] = ORIGIN_CODE["reprojected"]
         one["image_confidence"].values[200:212, v, 1, 0] = 0.0
         assert first_row(one)["view"] == shown
+        # only in the frame that is listed, whose doubt may be that of a frame beside it
+        one = tracks.copy(deep=True)
+        one["image_confidence"].values[200:212, v, 1, 0] = 0.2
+        listed = first_row(one)["frame"]
+        one["image_origin"].values[listed, v, 1, 0] = ORIGIN_CODE["reprojected"]
+        row = first_row(one)
+        assert (row["frame"], row["view"]) == (listed, shown)
 
 
 def test_points_that_meet_are_told():
