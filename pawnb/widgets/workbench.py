@@ -222,7 +222,8 @@ class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
             buttons.append(
                 step_menu(steps[1:], lambda step: self._guard(lambda: self.do(step, state.folder)))
             )
-        return [self._cell(state.name, wrap=True), *marks, widgets.HBox(buttons, layout=ROW)]
+        name = self._cell(self.session.title(state), wrap=True)
+        return [name, *marks, widgets.HBox(buttons, layout=ROW)]
 
     def _start(self, state: TrialState, frame: int | None = None) -> Any:
         """Return the widget that makes the start, and the button that goes on."""

@@ -118,6 +118,11 @@ class WorkbenchSession:
             return "look" if "analysed" in state.done else "gait"
         return step
 
+    def title(self, state: TrialState) -> str:
+        """Return what a trial is called in the list: with its folder where others are called so."""
+        alone = [other.name for other in self.states].count(state.name) == 1
+        return state.name if alone else f"{state.name} ({state.folder.name})"
+
     def has_looked(self, state: TrialState) -> None:
         """Remember that a person has opened the review of a trial."""
         self._reviewed.add(state.folder)

@@ -320,6 +320,14 @@ def test_what_failed_in_tracking_is_in_the_list_until_it_is_tracked(described, o
     assert len(again._list.children) == 1
 
 
+def test_trials_of_one_name_are_told_apart_by_their_folders(described):
+    """As those are whose folder was copied."""
+    shutil.copytree(described, described.parent / "m2")
+    session = WorkbenchSession(described.parent)
+    assert [session.title(state) for state in session.states] == ["small (m1)", "small (m2)"]
+    assert WorkbenchSession(described).title(session.states[0]) == "small"
+
+
 def test_a_list_that_is_tracked_says_which_trial_it_is_at(described, monkeypatch):
     told = []
     session = WorkbenchSession(described)
