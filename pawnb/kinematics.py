@@ -384,8 +384,8 @@ def body_frame_of_path(
     ----------
     path : ndarray, shape (n, d)
         Path of the body, as the low-passed mean of the feet.
-    forward : array_like, shape (d,)
-        Direction towards the front.
+    forward : array_like, shape (d,) or (n, d)
+        Direction towards the front, the same or that of every sample.
     at_rest : bool
         True: the origin is at rest in the laboratory. False: it is at ``path``.
     method : str
@@ -397,10 +397,10 @@ def body_frame_of_path(
         The frame.
     """
     unit = np.asarray(forward, dtype=float)
-    unit = unit / np.linalg.norm(unit)
+    unit = unit / np.linalg.norm(unit, axis=-1, keepdims=True)
     return BodyFrame(
         origin=np.zeros_like(path) if at_rest else path,
-        forward=np.tile(unit, (len(path), 1)),
+        forward=np.array(np.broadcast_to(unit, path.shape)),
         path=path,
         method=method,
     )

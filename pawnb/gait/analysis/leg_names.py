@@ -38,7 +38,7 @@ _REAR_PAIRS = (
 """Letters of rear and back legs, which say so only beside those of front ones."""
 
 _FOUR_LEGS = frozenset({"FR", "HR", "FL", "HL"})
-_FRONT = ("snout", "nose", "head", "neck")
+_FRONT = ("snout", "nose", "head", "neck", "thorax")
 _REAR = ("butt", "tailbase", "tail", "abdomen", "hip", "pelvis")
 _NOT_REAR = ("tip", "end", "mid", "middle", "center", "centre", "distal")
 
@@ -394,7 +394,7 @@ def guess_body(points: Iterable[str]) -> tuple[str, str] | None:
     -------
     tuple of str or None
         A point at the rear (base of the tail, butt, abdomen) and one in front (snout, nose,
-        head, neck), the first of each list that is there; None where there are not both.
+        head, neck, thorax), the first of each list that is there; None where there are not both.
     """
     words = {point: split_name(point) for point in points}
 

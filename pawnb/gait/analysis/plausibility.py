@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import pandas as pd
@@ -36,6 +37,16 @@ _FRAMES_OFF = 0.9
 4. Measured: minimum-jerk swings of known duration at 25 to 125 frames a second. Stances that are as
 long do so, too, and then the duty factor is right."""
 
+_FRAMES_ENOUGH = 12.0
+_CONTACT_FRAMES_OFF = 2.0
+"""Frames in a stride below which contact (TD to LO) is said to be too short, and by how many frames
+at most. Measured on walks of known contact, duty factors 0.6 and 0.75, minimum-jerk swings and such
+that stop dead: 1.2 to 1.9 frames at 4 to 6 in a stride, 0.9 to 1.6 at 8 to 12."""
+
+_FRAMES_TOO_FEW = 5.0
+"""Frames in a stride below which speed is too small as well: by up to 10 % at 4, 38 % at 3, in the
+same walks. Half the frame rate is the limit: what steps faster looks slower than it is."""
+
 
 def say_implausible(strides: pd.DataFrame, *, fps: float | None = None) -> list[str]:
     """Say what cannot be right in the strides of one animal in one trial.
@@ -53,16 +64,19 @@ def say_implausible(strides: pd.DataFrame, *, fps: float | None = None) -> list[
     -------
     list of str
         One sentence each: where feet move by less than 3 % of the largest distance between them,
-        where legs differ by more than 15 % in their median frequency, where
-        the duty factors of a leg from AEP to PEP and from touch-down to lift-off differ by more
-        than 0.15, where the body goes backwards, where hind legs step ahead of the front legs of
-        their side, where the strides of a leg are as unlike each
-        other as jitter makes them, and where swings (or stances) have so few frames that they come
-        out too long.
+        where legs differ by more than 15 % in their median frequency, where the duty factors of a
+        leg from AEP to PEP and from touch-down to lift-off differ by more than 0.15 and there are
+        frames enough to tell, where the body goes backwards, where hind legs step ahead of the
+        front legs of their side, where the strides of a leg are as unlike each other as jitter
+        makes them, where swings (or stances) have so few frames that they come out too long, and
+        where strides have so few that contact, or even speed, cannot be told.
     """
+    frames = _frames_in_a_stride(strides, fps)
     return [
-        *_still(strides), *_frequencies(strides), *_duties(strides), *_backwards(strides),
-        *_out_of_order(strides), *_unlike(strides), *_few_frames(strides, fps),
+        *_still(strides), *_frequencies(strides),
+        *([] if frames < _FRAMES_ENOUGH else _duties(strides)), *_backwards(strides),
+        *_out_of_order(strides), *_unlike(strides),
+        *_few_frames(strides, fps), *_few_in_a_stride(strides, frames),
     ]  # fmt: skip
 
 
@@ -128,7 +142,8 @@ def _backwards(strides: pd.DataFrame) -> Iterator[str]:
         yield (
             f"{backwards} of {len(strides)} strides have a negative speed: the animal goes "
             "backwards, or it runs on a belt whose speed is not known (belt_speed, substrate), "
-            "or forward is the wrong way round."
+            "or forward is the wrong way round. Stance and swing, and duty_factor with them, are "
+            "exchanged in these strides."
         )
 
 
@@ -194,3 +209,29 @@ def _few_frames(strides: pd.DataFrame, fps: float | None) -> Iterator[str]:
                 f"{part}. Differences in duty factor may be those of speed or of the frame rate; "
                 "more frames a second tell."
             )
+
+
+def _frames_in_a_stride(strides: pd.DataFrame, fps: float | None) -> float:
+    """Return how many frames a stride has (median); infinite where events are no frames of ours."""
+    if fps is None or not {"period_s", "method"} <= {*strides}:
+        return math.inf
+    periods = strides.loc[strides["method"] == "AEP/PEP", "period_s"]
+    return math.inf if periods.empty else fps * float(periods.median())
+
+
+def _few_in_a_stride(strides: pd.DataFrame, frames: float) -> Iterator[str]:
+    """Say where strides have so few frames that contact, or even speed, cannot be told."""
+    if frames < _FRAMES_TOO_FEW:
+        yield (
+            f"strides have {frames:.1f} frames (median): speed and stride length may come out a "
+            "third too small, contact (TD to LO) far too short, and feet that step faster than "
+            "half the frame rate look slower than they are, so that the stride frequency may be "
+            f"wrong altogether. Film at least {_FRAMES_ENOUGH:.0f} frames a stride."
+        )
+    elif frames < _FRAMES_ENOUGH and strides.get("contact_s", pd.Series(dtype=float)).notna().any():
+        yield (
+            f"strides have {frames:.1f} frames (median): contact (TD to LO) comes out up to "
+            f"{_CONTACT_FRAMES_OFF:.0f} frames too short, contact_duty_factor up to "
+            f"{_CONTACT_FRAMES_OFF / frames:.2f} too small. Film at least "
+            f"{_FRAMES_ENOUGH:.0f} frames a stride."
+        )

@@ -25,8 +25,9 @@ from pawnb.gait.locomotion.direction import find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
 from pawnb.gait.locomotion.jitter import say_jitter
-from pawnb.gait.locomotion.substrate import find_belt_speed, measure_motion, speed_over_substrate
+from pawnb.gait.locomotion.substrate import find_belt_speed, speed_over_substrate
 from pawnb.gait.locomotion.time_scales import Scales, least_excursions, say_held_still
+from pawnb.gait.locomotion.ways import measure_motion, ways_along
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import along
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
@@ -112,16 +113,16 @@ def analyse_space(
     max_gap = round(scales.max_gap_s * fs)
     smooth = partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
     raw = frame.fore_aft(feet.positions)
-    position, lab = smooth(raw), smooth(along(feet.positions, frame.forward))
+    position, ways = smooth(raw), ways_along(smooth(feet.positions), frame.forward)
     turning, how = position, f"fore-aft position ({frame.method})"
     if feet.angle_deg is not None:
         turning, how = smooth(feet.angle_deg), "leg angle"
     extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, found_body.standing)
-    velocity = differentiate(lab, dt=1.0 / fs)
+    velocity = differentiate(ways, dt=1.0 / fs)
     treadmill = found_body.treadmill
     belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
     notes += [*say_held_still(feet, turning, settings), *say_jitter(feet, raw, extremes), *said]
-    motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
+    motion = measure_motion(feet, frame, ways=ways, fore_aft=position, belt=belt_here, grid=grid)
     height = _height(feet, up, smooth) if settings.use_height else None
     across = None
     if up is not None or found_body.from_points:

@@ -170,7 +170,8 @@ def find_body(
     if body is None:
         direction, said = choose_direction(
             _without_drift(feet, others, guess, fs) if treadmill else feet,
-            path, trial=trial, forward=forward, treadmill=treadmill, fs_hz=fs,
+            path, trial=trial, forward=forward, treadmill=treadmill,
+            cutoff_hz=scales.body_cutoff_hz, fs_hz=fs,
         )  # fmt: skip
         notes += said
         if treadmill:
@@ -185,7 +186,7 @@ def find_body(
     bouts = None
     if settings.bouts and not treadmill:
         bouts = _bouts(_body_speed(frame, guess, fs), settings, guess, fs)
-    elif settings.bouts and belt is None:
+    elif settings.bouts and (belt is None or _stops(belt, settings)):
         bouts = _bouts(_stepping_speed(feet, guess, fs), settings, guess, fs)
     standing = _standing(bouts, len(path))
     fore_aft = np.where(standing[:, None], np.nan, frame.fore_aft(feet.positions))
@@ -203,6 +204,12 @@ def find_body(
         from_points=body is not None,
         notes=notes,
     )
+
+
+def _stops(belt: FloatArray, settings: EventSettings) -> bool:
+    """Say whether a belt of stated speed stops on its way; one that runs keeps an animal going."""
+    fast = float(np.percentile(np.abs(belt), 95))
+    return bool(np.abs(belt).min() < settings.bout_stop_fraction * fast)
 
 
 def _standing(bouts: Bouts | None, n: int) -> BoolArray:
@@ -361,7 +368,9 @@ def _stepping_speed(feet: FootPaths, frequency: float, fs: float) -> FloatArray:
     A belt that runs carries every foot that stands, so that all of them are never slow. Where
     they are, what the animal runs on stands with it, as a ball does under a tethered fly.
     """
-    step = np.linalg.norm(np.diff(feet.positions, axis=0), axis=1) * fs
+    calm = without_jitter(feet.positions, frequency_hz=frequency, fs_hz=fs)
+    calm = np.where(np.isfinite(feet.positions), calm, np.nan)
+    step = np.linalg.norm(np.diff(calm, axis=0), axis=1) * fs
     known = np.isfinite(step)
     total = np.where(known, step, 0.0).sum(axis=1)
     count = known.sum(axis=1)

@@ -6,9 +6,13 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
+from pawnb.gait.locomotion.feet_heading import heading_of_feet
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.kinematics import main_axis, swing_direction, travel_direction
 from pawnb.trial import Trial
+
+_STRAIGHT = 0.9
+"""Progress of the animal on the ground, as a share of its way, below which its heading turns."""
 
 MOST_ASIDE_DEG = 15.0
 """Feet may go so far aside of forward: lengths are 3.4 % short there (by hand; those of rendered
@@ -47,6 +51,7 @@ def choose_direction(
     trial: Trial | None,
     forward: FloatArray | None,
     treadmill: bool,
+    cutoff_hz: float,
     fs_hz: float,
 ) -> tuple[FloatArray, list[str]]:
     """Choose the direction towards the front.
@@ -62,15 +67,18 @@ def choose_direction(
     forward : ndarray, shape (d,), or None
         Direction stated by the caller; it comes before all others.
     treadmill : bool
-        On the ground the animal faces where it goes. On a treadmill the direction is the
-        trial's in calibrated space, the view's ``facing`` in a picture, or told from the
-        swing of the feet.
+        On the ground the animal faces where it goes; along a path that bends its heading
+        turns with its feet (:mod:`pawnb.gait.locomotion.feet_heading`). On a treadmill the
+        direction is the trial's in calibrated space, the view's ``facing`` in a picture, or told
+        from the swing of the feet.
+    cutoff_hz : float
+        Low-pass of the body's turns.
     fs_hz : float
         Sampling rate.
 
     Returns
     -------
-    direction : ndarray, shape (d,)
+    direction : ndarray, shape (d,), or (n, d) where it turns
         Towards the front.
     notes : list of str
         Where it was derived, and what looks wrong.
@@ -90,13 +98,17 @@ def choose_direction(
         return forward, []
     if not treadmill:
         direction, straight = travel_direction(path, up=find_up(trial, feet))
-        notes = []
-        if straight < 0.9:
-            notes.append(
-                f"{who}: the path is not straight ({straight:.0%} of its length is progress); "
-                "name points of the body in [animal] body for a heading that turns."
+        if straight < _STRAIGHT:
+            return _turning(
+                feet,
+                path,
+                direction,
+                straight,
+                up=find_up(trial, feet),
+                cutoff_hz=cutoff_hz,
+                fs_hz=fs_hz,
             )
-        return direction, notes
+        return direction, []
     from_feet = swing_direction(feet.positions, fs_hz=fs_hz)
     facing = image_facing(trial, feet.source) if n_dims == 2 else None
     if n_dims == 3:
@@ -113,6 +125,33 @@ def choose_direction(
             "(or facing) the wrong way round?"
         ]
     return stated, _doubt_axes(trial, feet, stated, from_feet) if n_dims == 3 else []
+
+
+def _turning(
+    feet: FootPaths,
+    path: FloatArray,
+    direction: FloatArray,
+    straight: float,
+    *,
+    up: FloatArray | None,
+    cutoff_hz: float,
+    fs_hz: float,
+) -> tuple[FloatArray, list[str]]:
+    """Return the heading along a path that is not straight, from the feet where it can be told."""
+    said = f"{feet.label}: the path is not straight ({straight:.0%} of its length is progress); "
+    heading = heading_of_feet(feet.positions, path, up=up, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
+    if heading is None:
+        return direction, [
+            said
+            + "all of it is seen along one direction, from its beginning to its end: where the "
+            "animal turns or goes back, strides are missed, and lengths, speeds and duty factors "
+            "are wrong. Name points of the body in [animal] body for a heading that turns."
+        ]
+    return heading, [
+        said + "the heading turns as the feet do about each other, and its front is where the "
+        "animal goes on the whole. Name points of the body, rear to front, in [animal] body for a "
+        "better one."
+    ]
 
 
 def _doubt_axes(

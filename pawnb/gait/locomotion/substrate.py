@@ -1,4 +1,4 @@
-"""What the feet stand on: how fast it runs, and the ways of body and feet over it."""
+"""What the feet stand on: how fast it runs, and how fast feet move over it."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.gait.events.extremes import Extreme, stance_velocity, stance_velocity_over_time
+from pawnb.gait.legs import find_leg_place
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
-from pawnb.gait.locomotion.grid import Grid
-from pawnb.gait.strides.stride_table import Motion
-from pawnb.kinematics import BodyFrame
 
 _SLIP_ALLOWED = 0.15
 _CARRIED_OTHERWISE = 0.5
 """Share by which a foot in stance may differ from the feet on the whole and still stand on the
 belt: one in the air does not go back, and a ball turns under each side at a speed of its own."""
+
+_SIDES_APART = 0.2
+"""Share of their mean by which feet of the left and of the right go back at speeds of their own. By
+hand: split belts run at 1.5 to 1 and more; perspective of a side view makes near feet some percent
+faster than far ones."""
 
 
 def find_belt_speed(
@@ -58,15 +61,17 @@ def find_belt_speed(
     stance = [stance_velocity(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
     known = [s for s in stance if math.isfinite(s)]
     own = -float(np.median(known)) if known else math.nan
+    split = _say_split(feet, stance)
     if stated is not None:
         usual = float(np.median(stated))
         if not math.isfinite(own) or abs(own - usual) <= _SLIP_ALLOWED * abs(usual):
-            return stated, []
+            return stated, split
         if feet.unit != "px":
             return stated, [
                 f"{who}: feet in stance go backwards at {own:.4g} {feet.unit}/s where the belt "
                 f"is said to run at {usual:.4g}; check belt_speed and its unit. Contact is told "
-                "from the feet's own stance; speed and stride length use the stated belt speed."
+                "from the feet's own stance; speed and stride length use the stated belt speed.",
+                *split,
             ]
     if not (math.isfinite(own) and own > 0):
         return None, []
@@ -97,8 +102,32 @@ def find_belt_speed(
         if with_it
     ]
     if not local:
-        return np.full(n, own), [note]
-    return -np.mean(local, axis=0), [note]
+        return np.full(n, own), [note, *split]
+    return -np.mean(local, axis=0), [note, *split]
+
+
+def _say_split(feet: FootPaths, stance: list[float]) -> list[str]:
+    """Say where feet of one side go back in stance at another speed than those of the other."""
+    sides: dict[str, list[tuple[str, float]]] = {"L": [], "R": []}
+    for leg, speed in zip(feet.legs, stance, strict=True):
+        place = find_leg_place(leg)
+        if place is not None and math.isfinite(speed):
+            sides[place.side].append((leg, -speed))
+    speeds = [[speed for _, speed in sides[side]] for side in "LR"]
+    if not all(speeds):
+        return []
+    left, right = (float(np.median(own)) for own in speeds)
+    apart = abs(left - right)
+    alike = max(float(np.ptp(own)) for own in speeds) < apart / 2.0
+    if not alike or apart <= _SIDES_APART * (left + right) / 2.0:
+        return []
+    alone = " and ".join(f"--legs {' '.join(leg for leg, _ in sides[side])}" for side in "LR")
+    return [
+        f"{feet.label}: in stance feet of the left go backwards at {left:.4g} {feet.unit}/s and "
+        f"those of the right at {right:.4g}, as on split belts or in a turn. One speed stands for "
+        "all legs in speed and stride_length; phases and durations are right. For lengths over "
+        f"each belt analyse each side by itself ({alone}, without a belt_speed or with its own)."
+    ]
 
 
 def speed_over_substrate(
@@ -129,50 +158,3 @@ def speed_over_substrate(
         return over - np.nan_to_num(stance_velocity_over_time(over, extremes))
     slip = stance_velocity(over, extremes)
     return over - (slip if abs(slip) > _SLIP_ALLOWED * abs(float(np.median(belt))) > 0 else 0.0)
-
-
-def measure_motion(
-    feet: FootPaths, frame: BodyFrame, *, lab: FloatArray, belt: FloatArray | None, grid: Grid
-) -> Motion:
-    """Sum up how far body and feet have come relative to the ground or belt.
-
-    Parameters
-    ----------
-    feet : FootPaths
-        The feet.
-    frame : BodyFrame
-        Path and heading of the body.
-    lab : ndarray, shape (n, k)
-        Positions of the feet along forward.
-    belt : ndarray, shape (n,), or None
-        Speed of the substrate backwards; None where unknown.
-    grid : Grid
-        The samples.
-
-    Returns
-    -------
-    Motion
-        Distances from an arbitrary zero; unknown without the belt's speed.
-    """
-    steps = np.einsum("nd,nd->n", np.diff(frame.path, axis=0), frame.forward[:-1])
-    if belt is None:
-        unknown = np.full(len(lab), np.nan)
-        return Motion(time_s=grid.time_s, body=unknown)
-    rolled = np.concatenate(([0.0], np.cumsum((belt[1:] + belt[:-1]) / 2.0) / grid.fs_hz))
-    known = np.isfinite(frame.path).all(axis=1)
-    body = np.concatenate(([0.0], np.cumsum(np.where(np.isfinite(steps), steps, 0.0)))) + rolled
-    return Motion(
-        time_s=grid.time_s,
-        heading_deg=_heading_deg(frame.forward),
-        body=np.where(known, body, np.nan),
-        feet={leg: lab[:, k] + rolled for k, leg in enumerate(feet.legs)},
-    )
-
-
-def _heading_deg(forward: FloatArray) -> FloatArray:
-    """Return the direction of unit vectors, not wrapped, bridged where it is not known."""
-    heading = np.arctan2(forward[:, 1], forward[:, 0])
-    known = np.flatnonzero(np.isfinite(heading))
-    if not len(known):
-        return np.full(len(heading), np.nan)
-    return np.degrees(np.interp(np.arange(len(heading)), known, np.unwrap(heading[known])))

@@ -46,7 +46,9 @@ class Motion:
     body : ndarray, shape (n,)
         Distance run by the body along forward, from an arbitrary zero.
     feet : mapping
-        The same of each foot, by the name of its leg.
+        The same of each foot, by the name of its leg, from zeros of their own.
+    places : mapping
+        Where each foot is along the body's way, all from the zero of the body.
     heading_deg : ndarray, shape (n,), optional
         Direction of the body, not wrapped, from the first axis of the positions towards the
         second.
@@ -55,6 +57,7 @@ class Motion:
     time_s: FloatArray
     body: FloatArray
     feet: Mapping[str, FloatArray] = field(default_factory=dict)
+    places: Mapping[str, FloatArray] = field(default_factory=dict)
     heading_deg: FloatArray | None = None
 
     def body_between(self, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
@@ -81,10 +84,10 @@ class Motion:
         return self._between(self.feet[leg], start_s, end_s)
 
     def place_of(self, leg: str, time_s: FloatArray) -> FloatArray:
-        """Return how far along forward a foot is at some times; NaN where that is not known."""
-        if leg not in self.feet:
+        """Return how far along the body's way a foot is at some times; NaN where not known."""
+        if leg not in self.places:
             return np.full(len(time_s), np.nan)
-        return np.interp(time_s, self.time_s, self.feet[leg])
+        return np.interp(time_s, self.time_s, self.places[leg])
 
     def heading_between(
         self, start_s: FloatArray, end_s: FloatArray

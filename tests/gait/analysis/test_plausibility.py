@@ -162,3 +162,36 @@ def test_legs_of_eight_are_compared_from_the_foremost_to_the_hindmost():
     # one side alone is no sign of it: a track that jumped
     mixed = pd.concat([turned[turned["leg"].str[0] == "L"], strides[strides["leg"].str[0] == "R"]])
     assert say_implausible(mixed) == []
+
+
+@pytest.mark.parametrize(("frames", "said"), [(3.1, "a third too small"), (8.1, "up to 2 frames")])
+def test_strides_of_too_few_frames_for_contact_or_speed_are_said(frames, said):
+    # a walk of 25 frames a second whose contact is 0.6 of a stride; at 3.1 frames it is found to be
+    # 0.16, and the speed 22 % too small; at 8.1 frames a swing that stops dead has 0.42
+    walk = Walk(period=frames / 25.0, duty=0.6, speed=60.0 * 25.0 / frames)
+    tables = analyse(walk.tracks(fps=25.0, duration=8.0), belt_speed=None, settings={})
+    (note,) = (n for n in tables.notes if "strides have" in n)
+    assert f"{frames:.2g} frames (median)" in note or f"{frames:.1f} frames (median)" in note
+    assert said in note
+    # what is said of belts is no advice here
+    assert not any("are far apart" in n for n in tables.notes)
+
+
+def test_enough_frames_need_no_word_on_contact():
+    tables = analyse(Walk(period=0.3).tracks(fps=60.0), belt_speed=300.0)
+    assert not any("strides have" in n for n in tables.notes)
+
+
+def test_split_belts_are_said_and_each_side_by_itself_has_the_speed_of_its_belt():
+    # as in studies of locomotor adaptation: one belt twice as fast as the other
+    fast = Walk(speed=400.0, duty=0.55).tracks(noise=0.2)
+    slow = Walk(speed=200.0, duty=0.65).tracks(noise=0.2, seed=1)
+    fast["position"].data[:, :, :2] = slow["position"].data[:, :, :2]  # FR, HR
+    (note,) = (n for n in analyse(fast).notes if "split belts" in n)
+    assert "--legs FL HL and --legs FR HR" in note
+    assert any("split belts" in n for n in analyse(fast, belt_speed=300.0).notes)
+    for legs, speed in ((["FL", "HL"], 400.0), (["FR", "HR"], 200.0)):
+        alone = analyse(fast, legs=legs)
+        assert not any("split belts" in n for n in alone.notes)
+        assert alone.strides["speed"].mean() == pytest.approx(speed, rel=0.01)
+    assert not any("split" in n for n in analyse(Walk().tracks(noise=0.2)).notes)

@@ -1,6 +1,7 @@
 """An animal that wanders, stops and goes: heading from its body, strides from its bouts only."""
 
 import numpy as np
+import pandas as pd
 import pytest
 from walking import Walk
 
@@ -191,3 +192,26 @@ def test_feet_that_step_together_keep_their_frequency(smooth, belt_speed):
     strides = gait.analyse(tracks).strides
     assert len(strides) >= 20
     assert strides["frequency_hz"].median() == pytest.approx(f, rel=0.05)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_a_belt_that_stops_makes_pauses_though_labels_jitter(stated):
+    # the clock of walk and belt stands from 2 to 3 s and from 5 to 6.5 s; jitter of 0.3 mm at 200
+    # frames a second moves standing feet by a quarter of the belt's speed, to and fro
+    fs, walk = 200.0, Walk(period=0.25, duty=0.6, speed=300.0)
+    t = np.arange(0, 8.5, 1 / fs)
+    stands = ((t >= 2) & (t < 3)) | ((t >= 5) & (t < 6.5))
+    clock = np.concatenate(([0.0], np.cumsum(~stands[:-1] / fs)))
+    tracks = make_tracks(range(len(t)), list(walk.phases), fps=fs, space=("x", "y"), unit="mm")
+    jitter = np.random.default_rng(0)
+    for k, leg in enumerate(walk.phases):
+        tracks["position"].data[:, 0, k, 0] = walk.foot(leg, clock)[0] - walk.speed * clock
+        tracks["position"].data[:, 1, k, 0] = 10.0 * k
+    tracks["position"].data[:] += 0.3 * jitter.standard_normal(tracks["position"].shape)
+    tracks["origin"][:] = ORIGIN_CODE["measured"]
+    tracks["confidence"][:] = 1.0
+    belt = pd.DataFrame({"frame": range(len(t)), "speed": np.where(stands, 0.0, walk.speed)})
+    strides = gait.analyse(tracks, belt_speed=belt if stated else None).strides
+    assert len(strides) > 4 * 16
+    np.testing.assert_allclose(strides["period_s"], 0.25, atol=0.01)
+    np.testing.assert_allclose(strides["speed"], 300.0, rtol=0.03)

@@ -1,0 +1,77 @@
+"""Turning animals: what is said of their feet must not depend on where the picture's origin is."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pawnb.gait import analyse
+from pawnb.gait.locomotion.ways import ways_along
+from pawnb.schema import ORIGIN_CODE, make_tracks
+
+FS, PERIOD_S, DUTY, SPEED, TURN = 200.0, 1 / 6, 0.6, 12.0, 1.2
+LAGS = {"LF": 0.0, "LM": 0.5, "LH": 0.0, "RF": 0.5, "RM": 0.0, "RH": 0.5}
+PLACES = {leg: ({"F": 1.0, "M": 0.0, "H": -1.0}[leg[1]], 1.1 * (-1) ** (leg[0] == "L"))
+          for leg in LAGS}  # fmt: skip
+BODY = {"head": (1.3, 0.0), "abdomen": (-1.8, 0.0)}
+
+
+def circling(*, away=0.0, body=True, turn=TURN, duration_s=5.0):
+    """A tripod gait along a circle of 10 mm, feet at rest on the ground in stance."""
+    t = np.arange(0, duration_s, 1 / FS)
+
+    def placed(at, offset):
+        angle = turn * at
+        x = SPEED / turn * np.sin(angle) + np.cos(angle) * offset[0] - np.sin(angle) * offset[1]
+        y = SPEED / turn * (1 - np.cos(angle)) + np.sin(angle) * offset[0]
+        return np.stack([x, y + np.cos(angle) * offset[1]], axis=-1) + away
+
+    points = {name: placed(t, offset) for name, offset in (BODY if body else {}).items()}
+    for leg, lag in LAGS.items():
+        k, x = np.divmod(t / PERIOD_S - lag, 1.0)
+        holds = [placed((k + n + lag + DUTY / 2) * PERIOD_S, PLACES[leg]) for n in (0, 1)]
+        s = np.clip((x - DUTY) / (1 - DUTY), 0, 1)[:, None]
+        eased = s**3 * (10 - 15 * s + 6 * s**2)
+        points[leg] = holds[0] * (1 - eased) + holds[1] * eased
+    tracks = make_tracks(range(len(t)), list(points), fps=FS, space=("x", "y"), unit="mm")
+    for i, place in enumerate(points.values()):
+        tracks["position"].data[:, :, i, 0] = place
+    tracks["origin"].data[:] = ORIGIN_CODE["measured"]
+    tracks["confidence"].data[:] = 1.0
+    return tracks
+
+
+def check_strides(strides):
+    """Compare with the walk: 2 mm a stride, a tripod, and contact as soft swings show it."""
+    assert len(strides) >= 6 * 27
+    means = strides[["period_s", "speed", "stride_length", "step_displacement"]].mean()
+    np.testing.assert_allclose(means, [PERIOD_S, SPEED, 2.0, 2.0], rtol=0.02)
+    assert strides["step_length"].mean() == pytest.approx(1.0, abs=0.03)  # half a stride
+    # of soft swings contact is found 0.06 too long, as along a straight line
+    assert (strides["contact_duty_factor"] - DUTY - 0.06).abs().max() < 0.05
+
+
+@pytest.mark.parametrize("away", [0.0, 100.0])
+def test_feet_of_an_animal_that_turns_stand_still_wherever_the_origin_is(away):
+    check_strides(analyse(circling(away=away)).strides)
+
+
+@pytest.mark.parametrize("turn", [TURN, -TURN])
+def test_an_animal_that_turns_is_told_from_its_feet_where_no_body_is_known(turn):
+    tables = analyse(circling(away=50.0, body=False, turn=turn))
+    check_strides(tables.strides)
+    assert any("the heading turns as the feet do" in note for note in tables.notes)
+    means = tables.phase_summary.set_index(["leg", "reference"])["mean_strides"]
+    assert means["LF", "RF"] == pytest.approx(0.5, abs=0.02)
+    assert means["LM", "RM"] == pytest.approx(0.5, abs=0.02)
+
+
+def test_ways_are_positions_along_a_heading_that_stays_and_gaps_stay_gaps():
+    # along (0.6, 0.8) a foot at 5 t of that line has come 5 t
+    t = np.arange(6.0)
+    positions = (np.array([3.0, 4.0])[None, :] * t[:, None] + 7.0)[:, :, None]
+    positions[3] = np.nan
+    ways = ways_along(positions, np.tile([0.6, 0.8], (6, 1)))[:, 0]
+    np.testing.assert_allclose(ways[[0, 1, 2]], [0.0, 5.0, 10.0])
+    assert np.isnan(ways[3])
+    np.testing.assert_allclose(np.diff(ways[4:]), 5.0)
