@@ -13,7 +13,9 @@ from pawnb.gait.circular import mean_vector
 from pawnb.gait.phases.patterns import hildebrand_table
 from pawnb.schema import check_columns
 
-COLUMNS = ("animal", "trial", "side", "stride", "duty_percent", "lag_percent", "n", "level")
+COLUMNS = (
+    "animal", "trial", "side", "stride", "duty_percent", "lag_percent", "n", "level", "told_by",
+)  # fmt: skip
 
 REGIONS = (
     (0.0, "pace"),
@@ -58,10 +60,12 @@ def build_hildebrand_diagram_table(strides: pd.DataFrame, phases: pd.DataFrame) 
     table = hildebrand_table(strides, phases)
     rows = []
     for animal, own in table.groupby("animal", sort=True):
+        told_by = "AEP to PEP" if (own["told_by"] == "AEP to PEP").any() else "contact"
         mean, _, n = mean_vector(own["lag_percent"].to_numpy(dtype=float) / 100.0 % 1.0)
         rows.append({"animal": animal, "trial": "", "side": "", "stride": 0, "n": n,
                      "duty_percent": float(own["duty_percent"].mean()),
-                     "lag_percent": 100.0 * mean, "level": "animal"})  # fmt: skip
+                     "lag_percent": 100.0 * mean, "level": "animal",
+                     "told_by": told_by})  # fmt: skip
     both = [table.assign(n=1, level="stride"), pd.DataFrame(rows)]
     return pd.concat(both, ignore_index=True)[list(COLUMNS)]
 
@@ -70,8 +74,9 @@ def plot_hildebrand_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> A
     """Draw the diagram: pale points are strides, dark ones the means of animals.
 
     The time on the ground falls to the right, as Hildebrand drew it: walks on the left, runs
-    (below 50 percent) on the right. The names stand where the ideal gaits lie; gaits go over
-    into each other without a line between them.
+    (below 50 percent) on the right. Where contact is not known the axis is the stance from AEP to
+    PEP, which is longer, and walk and run are not told apart. The names stand where the ideal gaits
+    lie; gaits go over into each other without a line between them.
 
     Parameters
     ----------
@@ -115,9 +120,11 @@ def plot_hildebrand_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> A
                     color="0.5", fontsize=small_pt(), ha="right", zorder=0.5,
                     va="top" if lag == 100.0 else "bottom",
                     bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4})  # fmt: skip
-        ax.axvline(50.0, color="0.7", linewidth=0.7, linestyle=(0, (4, 2)), zorder=0)
-        for word, side, where in (("walk", "right", 50.8), ("run", "left", 49.2)):
-            ax.text(where, 95.0, word, color="0.5", fontsize=small_pt(), ha=side, va="top")
+        by_contact = bool((table["told_by"] == "contact").all())
+        if by_contact:
+            ax.axvline(50.0, color="0.7", linewidth=0.7, linestyle=(0, (4, 2)), zorder=0)
+            for word, side, where in (("walk", "right", 50.8), ("run", "left", 49.2)):
+                ax.text(where, 95.0, word, color="0.5", fontsize=small_pt(), ha=side, va="top")
         for animal, own in table.groupby("animal", sort=True):
             mark = marks[str(animal)]
             strides, mean = own[own["level"] == "stride"], own[own["level"] == "animal"]
@@ -128,7 +135,8 @@ def plot_hildebrand_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> A
         ax.set_xlim(high, low)
         ax.set_ylim(0.0, 100.0)
         ax.set_yticks([0, 25, 50, 75, 100])
-        ax.set_xlabel("Hind foot on the ground (% of stride)")
+        stance = "Hind foot on the ground" if by_contact else "Hind stance, AEP to PEP"
+        ax.set_xlabel(f"{stance} (% of stride)")
         ax.set_ylabel("Fore foot after hind foot (% of stride)")
         if new:
             add_animal_legend(ax, marks)

@@ -46,7 +46,7 @@ def plot_phase_density(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     most = float(table["density"].max()) if len(table) else 1.0
     with style():
         panels = make_panels(
-            len(planes), where="phase density", ax=ax, columns=min(3, max(len(planes), 1)),
+            len(planes), where="phase density", ax=ax, columns=1 if len(planes) < 3 else 3,
             height_mm=64.0 if len(planes) == 1 else 58.0,
         )  # fmt: skip
         drawn: Any = None

@@ -30,6 +30,9 @@ COLUMNS = (
     "ci_low", "ci_high", "p", "n_animals", "animal_slope", "animal_speed", "animal_phase", "note",
 )  # fmt: skip
 
+_LEAST_WIDTH = 0.05
+"""Least width of the axis of speeds, as a share of the speed: on one belt they are rounding."""
+
 
 def build_phase_speed_table(
     phases: pd.DataFrame,
@@ -121,6 +124,10 @@ def plot_phase_speed(
 ) -> Axes:  # fmt: skip
     """Draw phase against speed: a shape and a line an individual, anti-phase between dashes.
 
+    Of a pair whose phases lie about 0 the axis goes from half a cycle before to half a cycle after,
+    so that neighbours such as 0.98 and 0.02 stand beside each other; in-phase is between the dashes
+    there.
+
     Above each panel stands the mean slope of the animals in cycles for each unit of speed, with
     its interval of 95 %.
 
@@ -161,14 +168,17 @@ def plot_phase_speed(
             len(pairs), where="phase against speed", ax=ax, columns=columns, height_mm=40.0
         )
         for panel, own in zip(panels, pairs, strict=True):
+            low = _lowest_phase(own)
             for animal, part in own.groupby("animal", sort=True):
-                draw_points(panel, part["speed"], part["phase"], mark=marks[str(animal)],
-                            alpha=0.8, clip_on=False)  # fmt: skip
-                _draw_line(panel, part)
+                draw_points(panel, part["speed"], (part["phase"] - low) % 1.0 + low,
+                            mark=marks[str(animal)], alpha=0.8, clip_on=False)  # fmt: skip
+                _draw_line(panel, part, low)
             for limit in ANTI_PHASE_ZONE:
-                panel.axhline(limit, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
-            panel.set_ylim(-0.03, 1.03)
-            panel.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "0.5", "", "1"])
+                panel.axhline(limit + low, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
+            panel.set_ylim(low - 0.03, low + 1.03)
+            ends = ("0", "0.5", "1") if low == 0.0 else ("0.5", "0", "0.5")
+            panel.set_yticks(low + np.arange(5) / 4.0, [ends[0], "", ends[1], "", ends[2]])
+            _set_speeds(panel, own["speed"])
             first = own.iloc[0]
             add_heading(panel, f"{first['leg']} to {first['reference']}", _say(own))
         label_outer(panels, x=x_label or with_unit("Speed", speed_unit(unit)), y="Phase (cycles)")
@@ -177,15 +187,29 @@ def plot_phase_speed(
     return panels[0]
 
 
-def _draw_line(ax: Axes, part: pd.DataFrame) -> None:
+def _lowest_phase(own: pd.DataFrame) -> float:
+    """Return where the axis begins: 0, or -0.5 where the phases lie about 0."""
+    mean = mean_vector(own["phase"].to_numpy(dtype=float)).mean
+    return -0.5 if abs((mean + 0.5) % 1.0 - 0.5) < 0.25 else 0.0
+
+
+def _set_speeds(ax: Axes, speed: pd.Series) -> None:
+    """Show speeds as they are, and those that hardly differ as neighbours."""
+    ax.ticklabel_format(axis="x", useOffset=False)
+    middle, least = float(speed.min() + speed.max()) / 2.0, float(speed.abs().max()) * _LEAST_WIDTH
+    if float(np.ptp(speed)) < least > 0.0:
+        ax.set_xlim(middle - least / 2.0, middle + least / 2.0)
+
+
+def _draw_line(ax: Axes, part: pd.DataFrame, low: float) -> None:
     """Draw an animal's line over the speeds of its points; it may leave the cycle and return."""
     first = part.iloc[0]
     if not math.isfinite(first["animal_slope"]):
         return
     x = np.array([part["speed"].min(), part["speed"].max()])
-    y = first["animal_phase"] + first["animal_slope"] * (x - first["animal_speed"])
+    y = first["animal_phase"] - low + first["animal_slope"] * (x - first["animal_speed"])
     for turn in range(math.floor(y.min()), math.floor(y.max()) + 1):
-        ax.plot(x, y - turn, color="0.35", linewidth=0.6)
+        ax.plot(x, y - turn + low, color="0.35", linewidth=0.6)
 
 
 def _say(own: pd.DataFrame) -> str:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
+from pawnb.figures.numbers_shown import say_number
 from pawnb.figures.panels import (
     add_animal_legend,
     draw_points,
@@ -319,10 +320,10 @@ def _words(first: pd.Series) -> str:
     """Say the fit of one pair in two or three short lines."""
     if first["kind"] == "power":
         # raised, the exponent would be below 6 pt
-        law = f"y = {_number(first['a'])} x^{_number(first['b'])}"
+        law = f"y = {say_number(first['a'])} x^{say_number(first['b'])}"
     else:
         sign = "+" if first["b"] >= 0 else "−"
-        law = f"y = {_number(first['a'])} {sign} {_number(abs(first['b']))} x"
+        law = f"y = {say_number(first['a'])} {sign} {say_number(abs(first['b']))} x"
     law += f"{' (RMA)' if first['method'] == 'RMA' else ''}, r² = {first['r2']:.2f}"
     counted = say_counts(int(first["n"]), _UNITS[first["points"]], int(first["n_animals"]))
     if first["points"] == "animal" or first["n"] == first["n_animals"]:
@@ -330,14 +331,8 @@ def _words(first: pd.Series) -> str:
     if not math.isfinite(first["b_animals"]):  # nothing can be said of animals
         what, of_whom = counted.split(", ")
         return f"{law}\n{_say_p(first['p'])} if {what}\nof {of_whom} were independent"
-    inside = f"animals: b = {_number(first['b_animals'])}, {_say_p(first['p_animals'])}"
+    inside = f"animals: b = {say_number(first['b_animals'])}, {_say_p(first['p_animals'])}"
     return f"all: {law}\n{inside}\n{counted}"
-
-
-def _number(value: float) -> str:
-    """Write three digits, as short as they can be: 5030 and not 5.03e+03."""
-    words = f"{value:.3g}" if abs(value) < 1000.0 or abs(value) >= 1e6 else f"{value:.0f}"
-    return words.replace("e-0", "e-").replace("-", "−")
 
 
 def _say_p(p: float) -> str:

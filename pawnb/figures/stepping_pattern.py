@@ -11,6 +11,8 @@ from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
 from pawnb.figures.gait_diagram import build_gait_diagram_table, draw_stance_bar
+from pawnb.figures.long_names import letters_in, wrap_name
+from pawnb.figures.numbers_shown import say_number
 from pawnb.figures.panels import add_letter, new_axes
 from pawnb.figures.style import figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
@@ -238,12 +240,15 @@ def _finish(ax: Axes, own: pd.DataFrame, legs: list[str], unit: str | None) -> N
         ax.spines[side].set_visible(False)
     words = []
     if np.isfinite(first["speed"]):
-        words.append(f"speed {first['speed']:.3g} {unit or 'units'}/s")
+        words.append(f"speed {say_number(first['speed'])} {unit or 'units'}/s")
     words.append(f"{first['frequency_hz']:.2f} strides/s")
     if np.isfinite(first["stride_length"]):
-        words.append(f"stride length {first['stride_length']:.3g} {unit or 'units'}")
-    ax.set_title(f"{first['animal']}, {first['trial']}\n{', '.join(words)}",
-                 fontsize=small_pt())  # fmt: skip
+        words.append(f"stride length {say_number(first['stride_length'])} {unit or 'units'}")
+    names = dict.fromkeys((str(first["animal"]), str(first["trial"])))
+    figure: Any = ax.figure
+    letters = letters_in(figure.get_size_inches()[0] * 25.4 * ax.get_position().width)
+    lines = [wrap_name(", ".join(names), letters), ", ".join(words)]
+    ax.set_title("\n".join(lines), fontsize=small_pt())
 
 
 def _draw_scale(ax: Axes, span_s: float) -> None:

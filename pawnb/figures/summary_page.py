@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
 from pawnb.figures.gait_diagram import build_gait_diagram_table, plot_gait_diagram
+from pawnb.figures.numbers_shown import say_number
 from pawnb.figures.panels import add_note, new_figure, speed_unit, with_unit
 from pawnb.figures.phase_rose import build_phase_rose_table, plot_phase_rose
 from pawnb.figures.regression import build_regression_table, plot_regression
@@ -258,7 +259,7 @@ def _say_spread(mean: float, sd: float) -> str:
     if not np.isfinite(mean):
         return "not known"
     if not np.isfinite(sd) or sd <= 0.0:
-        return f"{mean:.3g}"
+        return say_number(mean)
     if sd < _LEAST_SPREAD * abs(mean):  # rounding, not spread
         return f"{mean:.4g} (0)"
     decimals = max(0, 1 - int(np.floor(np.log10(sd))))

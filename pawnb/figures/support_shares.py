@@ -11,13 +11,18 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from pawnb.errors import InputError
+from pawnb.figures.long_names import letters_in, wrap_name
 from pawnb.figures.panels import new_axes
-from pawnb.figures.style import figure_size, small_pt, style
+from pawnb.figures.style import figure_size, get_style, small_pt, style
 from pawnb.schema import check_columns
 
 COLUMNS = ("animal", "n_down", "share")
 _NUMBER_FROM = 0.07
 """A stretch narrower than this is too narrow for its number."""
+_NAMES_SHARE = 0.3
+"""Share of a column that names of animals may take."""
+_ROWS_MM = 190.0
+"""All rows together are at most so high, so that the figure fits on a page."""
 
 
 def plot_support_shares(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
@@ -54,8 +59,11 @@ def plot_support_shares(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     colours = mpl.colormaps["cividis"](np.linspace(1.0, 0.0, most + 1))
     with style():
         new = ax is None
+        names = [wrap_name(a, letters_in(_NAMES_SHARE * get_style().column_mm)) for a in animals]
         if ax is None:
-            _, ax = new_axes(figsize=figure_size(1, 32.0 + 5.5 * len(animals)))
+            lines = max(name.count("\n") for name in names) + 1
+            row_mm = min(2.5 + 3.0 * lines, _ROWS_MM / len(animals))
+            _, ax = new_axes(figsize=figure_size(1, 32.0 + row_mm * len(animals)))
         for row, animal in enumerate(animals):
             own = table[table["animal"].astype(str) == animal].sort_values("n_down")
             left = 0.0
@@ -75,7 +83,7 @@ def plot_support_shares(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
                 loc="outside lower center", ncols=len(numbers), handlelength=1.0,
                 columnspacing=1.0, title="Feet on the ground",
             )  # fmt: skip
-        ax.set_yticks(range(len(animals)), animals)
+        ax.set_yticks(range(len(animals)), names)
         ax.set_ylim(len(animals) - 0.5, -0.5)
         ax.set_xlim(0.0, 100.0)
         ax.tick_params(axis="y", length=0)

@@ -60,3 +60,13 @@ def test_empty_tables_are_refused():
         plot_support_shares(SHARES.iloc[:0])
     with pytest.raises(InputError, match=r"^distances to ideal gaits: the table is empty"):
         plot_pattern_distances(DISTANCES.iloc[:0])
+
+
+def test_long_names_leave_room_for_the_bars_and_many_animals_fit_on_a_page():
+    # names of recordings took nine tenths of the width
+    long = SHARES.replace({"animal": {"a": "Carcinus_maenas_trial_0_long_name_of_a_recording"}})
+    ax = plot_support_shares(long)
+    ax.figure.canvas.draw()
+    assert ax.get_position().width > 0.5
+    many = pd.concat([SHARES.assign(animal=f"mouse{i:02d}") for i in range(60)])
+    assert plot_support_shares(many).figure.get_size_inches()[1] * 25.4 < 247.0

@@ -64,3 +64,21 @@ def test_bad_input_is_refused():
         build_hildebrand_diagram_table(strides, phases.assign(reference="FR"))
     with pytest.raises(InputError, match=r"^Hildebrand diagram: the table is empty"):
         plot_hildebrand_diagram(build_hildebrand_diagram_table(strides, phases).iloc[:0])
+
+
+def test_time_on_the_ground_is_that_of_contact_and_without_it_no_walk_is_named():
+    # a galloping horse, on the ground for a quarter of its stride, was a walk at 55 %: AEP to PEP
+    strides, phases = tables()
+    strides = strides.assign(method="AEP/PEP", contact_duty_factor=[0.25, 0.27, 0.24, np.nan])
+    table = build_hildebrand_diagram_table(strides, phases)
+    stride = table[table["level"] == "stride"]
+    np.testing.assert_allclose(stride["duty_percent"], [25.0, 27.0, 24.0, np.nan])
+    assert set(table["told_by"]) == {"contact"}
+    assert plot_hildebrand_diagram(table).get_xlabel() == "Hind foot on the ground (% of stride)"
+    table = build_hildebrand_diagram_table(strides.assign(contact_duty_factor=np.nan), phases)
+    assert set(table["told_by"]) == {"AEP to PEP"}
+    ax = plot_hildebrand_diagram(table)
+    assert ax.get_xlabel() == "Hind stance, AEP to PEP (% of stride)"
+    assert not {"walk", "run"} & {t.get_text() for t in ax.texts}
+    scored = build_hildebrand_diagram_table(strides.assign(method="TD/LO"), phases)
+    assert scored["duty_percent"].iloc[0] == pytest.approx(60.0)  # its own duty factor

@@ -77,7 +77,7 @@ def test_what_is_said_above_a_panel():
 
 def test_lines_of_animals_leave_the_cycle_and_return():
     phases, strides = tables(n_animals=1, trials=5)
-    rising = 0.9 + 0.01 * (strides["speed"] - 100.0)
+    rising = 0.4 + 0.021 * (strides["speed"] - 100.0)
     table = build_phase_speed_table(phases.assign(phase=rising % 1.0), strides)
     lines = [line for line in plot_phase_speed(table).lines if line.get_linestyle() == "-"]
     assert len(lines) == 2
@@ -113,3 +113,26 @@ def test_bad_input_is_refused():
         build_phase_speed_table(phases, strides.assign(speed=np.nan))
     with pytest.raises(InputError, match=r"^per is 'animal'; expected 'trial' or 'stride'"):
         build_phase_speed_table(phases, strides, per="animal")
+
+
+def test_phases_about_0_stand_beside_each_other():
+    # 0.98 and 0.02 are neighbours (CONVENTIONS.md); they stood at the two ends of the axis
+    phases, strides = tables(n_animals=3)
+    low, high = phases["animal"] == "m0", phases["animal"] != "m0"
+    phases.loc[low, "phase"], phases.loc[high, "phase"] = 0.98, 0.02
+    ax = plot_phase_speed(build_phase_speed_table(phases, strides))
+    drawn = np.concatenate([p.get_ydata() for p in ax.lines if p.get_linestyle() == "None"])
+    assert set(np.round(drawn, 6)) == {-0.02, 0.02}
+    assert [t.get_text() for t in ax.get_yticklabels()] == ["0.5", "", "0", "", "0.5"]
+    dashes = [line.get_ydata()[0] for line in ax.lines if line.get_linestyle() == "--"]
+    assert dashes == pytest.approx([-0.1, 0.1])  # in-phase, instead of anti-phase
+
+
+def test_speeds_that_hardly_differ_have_plain_numbers():
+    # two crabs of 599.70 and 599.71 px/s had an axis of 0.01 and 0.02 "+5.997e2"
+    phases, strides = tables(n_animals=2)
+    strides["speed"] = 599.7 + 1e-4 * strides["speed"]
+    ax = plot_phase_speed(build_phase_speed_table(phases, strides))
+    ax.figure.canvas.draw()
+    assert ax.xaxis.get_offset_text().get_text() == ""
+    assert np.ptp(ax.get_xlim()) == pytest.approx(0.05 * 599.7, rel=0.01)

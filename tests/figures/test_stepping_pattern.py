@@ -117,3 +117,17 @@ def test_a_stretch_is_shown_in_which_the_animal_steps():
     # where it steps all the time the middle is shown, as it always was
     reach = (0.0, 2.0)
     assert choose_window(strides.assign(start_s=np.tile(np.arange(10) * 0.2, 2)), reach, 0.8) == 0.6
+
+
+def test_long_names_are_broken_and_large_numbers_are_written_out():
+    # the name of a file was there twice, and cut off at both sides; 3001 mm/s was "3e+03"
+    events, strides = tables()
+    name = "Carcinus_maenas_trial_0_long_name_of_a_recording"
+    strides = strides.assign(animal=name, trial=name, speed=3001.0)
+    table = build_stepping_pattern_table(events.assign(animal=name, trial=name), strides)
+    ax = plot_stepping_pattern(table, unit="mm")
+    title = ax.get_title()
+    assert "speed 3001 mm/s" in title
+    assert title.replace("\n", "").count(name) == 1
+    ax.figure.canvas.draw()
+    assert ax.title.get_window_extent().width < ax.figure.bbox.width

@@ -144,6 +144,9 @@ def _place(leg: str) -> LegPlace:
     return LegPlace(place.side, 2) if two_pairs and place.rank == 3 else place
 
 
+_HILDEBRAND = ("duty_percent", "lag_percent", "told_by")
+
+
 def hildebrand_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFrame:
     """Collect Hildebrand's two numbers, stride by stride and side by side.
 
@@ -159,7 +162,10 @@ def hildebrand_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFram
     pandas.DataFrame
         animal, trial, side, stride, ``duty_percent`` (the hind foot's time on the ground in
         percent of the stride) and ``lag_percent`` (the fore footfall after the hind one of the
-        same side, in percent of the stride): Hildebrand 1965, Science 150: 701.
+        same side, in percent of the stride): Hildebrand 1965, Science 150: 701. The time on the
+        ground is that from touch-down to lift-off; ``told_by`` is "contact" then. Where no contact
+        is known it is "AEP to PEP": that is longer, by a quarter of a stride in fast runs, and
+        tells no run from a walk.
 
     Raises
     ------
@@ -171,13 +177,15 @@ def hildebrand_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFram
         own = phases[(phases["leg"] == f"F{side}") & (phases["reference"] == f"H{side}")]
         hind = strides[strides["leg"] == f"H{side}"]
         keys = ["animal", "trial", "stride"]
-        both = own.merge(hind[[*keys, "duty_factor"]], on=keys)
+        on_ground, told_by = _time_on_ground(hind)
+        hind = hind.assign(on_ground=on_ground, told_by=told_by)
+        both = own.merge(hind[[*keys, "on_ground", "told_by"]], on=keys)
         both = both.assign(
             side=side,
-            duty_percent=100.0 * both["duty_factor"],
+            duty_percent=100.0 * both["on_ground"],
             lag_percent=100.0 * both["phase"],
         )
-        parts.append(both[["animal", "trial", "side", "stride", "duty_percent", "lag_percent"]])
+        parts.append(both[["animal", "trial", "side", "stride", *_HILDEBRAND]])
     table = pd.concat(parts, ignore_index=True)
     if table.empty:
         raise InputError(
@@ -185,3 +193,14 @@ def hildebrand_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFram
             "Hildebrand's diagram is for four legs."
         )
     return table
+
+
+def _time_on_ground(strides: pd.DataFrame) -> tuple[pd.Series, pd.Series]:
+    """Return the share of each stride that the foot is on the ground, and what tells it."""
+    own = strides["duty_factor"].astype(float)
+    method = strides.get("method", pd.Series("", index=strides.index)).astype(str)
+    by_place = method.str.startswith("AEP")
+    contact = strides.get("contact_duty_factor", pd.Series(np.nan, index=strides.index))
+    if not contact[by_place].notna().any():
+        return own, by_place.map({True: "AEP to PEP", False: "contact"})
+    return own.where(~by_place, contact), pd.Series("contact", index=strides.index)
