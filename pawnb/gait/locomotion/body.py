@@ -14,6 +14,7 @@ from pawnb.gait.locomotion.body_path import (
     choose_body_path,
     follow_body,
     is_carried,
+    is_roaming,
     points_of_body,
 )
 from pawnb.gait.locomotion.direction import choose_direction, find_up
@@ -315,7 +316,7 @@ def _runs_on_a_belt(
     fs: float,
 ) -> bool:
     """Say whether an animal of which no belt speed is known runs on a treadmill or ball."""
-    if body is not None and is_wandering(body.points):
+    if is_roaming(feet, path) or (body is not None and is_wandering(body.points)):
         return False
     if body is not None:
         others = FootPaths(

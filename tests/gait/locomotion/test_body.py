@@ -215,3 +215,18 @@ def test_a_belt_that_stops_makes_pauses_though_labels_jitter(stated):
     assert len(strides) > 4 * 16
     np.testing.assert_allclose(strides["period_s"], 0.25, atol=0.01)
     np.testing.assert_allclose(strides["speed"], 300.0, rtol=0.03)
+
+
+def test_feet_alone_of_a_real_mouse_in_an_open_field_give_the_same_gait(real_data):
+    """Without snout and tail it was taken to be on a treadmill, and had no stride at all."""
+    tracks = read_any_tracks(real_data("mouse-openfield-dlc") / "raw_clip1DLC.csv", fps=60.0)
+    feet = [str(k) for k in tracks["keypoint"].to_numpy() if "Paw" in str(k)]
+    whole, alone = gait.analyse(tracks), gait.analyse(tracks.sel(keypoint=feet))
+    assert len(alone.strides) > 0.9 * len(whole.strides)
+    for name in ("period_s", "duty_factor", "speed"):
+        expected = whole.strides[name].median()
+        assert alone.strides[name].median() == pytest.approx(expected, rel=0.1)
+    means = [
+        t.phase_summary.set_index(["leg", "reference"])["mean_strides"] for t in (whole, alone)
+    ]
+    assert (((means[1] - means[0] + 0.5) % 1.0) - 0.5).abs().max() < 0.06
