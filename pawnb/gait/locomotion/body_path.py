@@ -48,7 +48,8 @@ belt, 0 on the ground, and below that where an ankle is tracked, which goes on w
 
 _ROAMS = 4.0
 """Width of a path in distances of the feet from the body (by hand): a mouse in an open field has
-9.5, a made insect on a circle of 10 mm 11. Belts are as wide as a few animals, which keep straight."""
+9.5, a made insect on a circle of 10 mm 10. A belt is as wide as a few animals, which keep straight.
+"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
