@@ -18,10 +18,10 @@ _ALIGNMENTS = 20
 _LIKE_PLACES = 0.5
 """Share of the feet's distances from their middle that their places explain, at least (by hand).
 Made walks along circles have 0.92 with six legs, 0.75 to 0.95 with four at a trot, 0.59 and more at
-a gallop whose swings are longer than the body, 0.90 with two; a real mouse in an open field 0.82."""
+a gallop whose swings are longer than the body, 0.90 with two; a real mouse in a field has 0.82."""
 
 _GOING = 0.35
-"""An animal goes where it is faster than this share of its fast speed, as at the start of a bout."""
+"""It goes where it is faster than this share of its fast speed, as at the start of a bout."""
 
 _ONE_WAY = 0.7
 """Share of the way that an animal goes to one side of its body, at least (by hand): 0.89 and more
