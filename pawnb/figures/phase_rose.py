@@ -178,14 +178,17 @@ def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:
     ax.grid(linewidth=0.3, color="0.8")
     ax.set_axisbelow(True)
     strides, animals = int(first["n"]), int(first["n_animals"])
+    length = f"r {first['basis_r']:.2f}"
     found = "no mean, "
-    if math.isfinite(first["basis_mean"]):
+    if strides == 1:  # r of one phase is 1 whatever the animal does
+        found, length = f"{say_phase(first['basis_mean'])} cycle", ""
+    elif math.isfinite(first["basis_mean"]):
         found = f"mean {say_phase(first['basis_mean'])} "
         found += f"{say_interval(low, high)} " if math.isfinite(low) else ""
         found += "cycle, "
     ax.set_title(f"{first['leg']} relative to {first['reference']}", pad=8.0)
     ax.set_xlabel(
-        f"{found}r {first['basis_r']:.2f}\n"
+        f"{found}{length}\n"
         f"{say_counts(strides, 'stride', animals)}\nfullest sector: {int(count.max())}",
         fontsize=small_pt(),
     )

@@ -150,3 +150,12 @@ def test_an_interval_of_the_whole_cycle_goes_all_the_way_round():
     arc = max((line.get_xdata() for line in ax.lines), key=len)
     assert np.ptp(arc) == pytest.approx(2.0 * math.pi)
     assert ax.get_xlabel().startswith("no mean")
+
+
+def test_one_stride_has_no_mean_and_no_r():
+    # r of a single phase is 1 by arithmetic, and was written as if it said something
+    phases = pd.DataFrame(
+        [{"animal": "m1", "trial": "t", "leg": "FL", "reference": "FR", "stride": 1, "phase": 0.4}]
+    )
+    said = plot_phase_rose(build_phase_rose_table(phases)).get_xlabel()
+    assert said.startswith("0.40 cycle\n1 stride, 1 animal")
