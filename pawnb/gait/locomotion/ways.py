@@ -27,14 +27,18 @@ def ways_along(positions: FloatArray, forward: FloatArray) -> FloatArray:
     Returns
     -------
     ndarray, shape (n, k)
-        Each from where the foot is first seen; NaN where it is not. What it did in a gap is not
-        known and counts as nothing.
+        Each from where the foot is first seen; NaN where it is not. Over a gap it is the straight
+        way, along the mean of the headings before and after it.
     """
-    between = (forward[1:] + forward[:-1]) / 2.0
-    steps = np.einsum("ndk,nd->nk", np.diff(positions, axis=0), between)
-    gone = np.cumsum(np.where(np.isfinite(steps), steps, 0.0), axis=0)
-    known = np.isfinite(positions).all(axis=1)
-    return np.where(known, np.concatenate((np.zeros_like(gone[:1]), gone)), np.nan)
+    known = np.isfinite(positions).all(axis=1) & np.isfinite(forward).all(axis=1)[:, None]
+    ways = np.full(known.shape, np.nan)
+    for foot in range(known.shape[1]):
+        rows = np.flatnonzero(known[:, foot])
+        steps = np.diff(positions[rows, :, foot], axis=0)
+        between = (forward[rows[1:]] + forward[rows[:-1]]) / 2.0
+        gone = np.cumsum(np.einsum("nd,nd->n", steps, between))
+        ways[rows, foot] = np.concatenate(([0.0], gone))[: len(rows)]
+    return ways
 
 
 def measure_motion(
