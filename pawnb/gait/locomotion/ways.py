@@ -30,7 +30,8 @@ def ways_along(positions: FloatArray, forward: FloatArray) -> FloatArray:
         Each from where the foot is first seen; NaN where it is not. Over a gap it is the straight
         way, along the mean of the headings before and after it.
     """
-    known = np.isfinite(positions).all(axis=1) & np.isfinite(forward).all(axis=1)[:, None]
+    headed = np.isfinite(forward).all(axis=1, keepdims=True)
+    known = np.isfinite(positions).all(axis=1) & headed
     ways = np.full(known.shape, np.nan)
     for foot in range(known.shape[1]):
         rows = np.flatnonzero(known[:, foot])
