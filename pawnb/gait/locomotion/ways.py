@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
 from pawnb.gait.strides.stride_table import Motion
@@ -31,7 +31,7 @@ def ways_along(positions: FloatArray, forward: FloatArray) -> FloatArray:
         way, along the mean of the headings before and after it.
     """
     headed = np.isfinite(forward).all(axis=1, keepdims=True)
-    known = np.isfinite(positions).all(axis=1) & headed
+    known: BoolArray = np.asarray(np.isfinite(positions).all(axis=1) & headed)
     ways = np.full(known.shape, np.nan)
     for foot in range(known.shape[1]):
         rows = np.flatnonzero(known[:, foot])
