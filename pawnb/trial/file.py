@@ -11,7 +11,9 @@ from pawnb.files import read_toml, write_whole
 from pawnb.trial.description import Trial
 from pawnb.trial.document import trial_document, trial_from_document
 
-VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts")
+VIDEO_ENDINGS = (
+    ".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts", ".cine",
+)  # fmt: skip
 
 
 _DEEPEST = 3

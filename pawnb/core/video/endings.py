@@ -8,6 +8,7 @@ none, a file that ends between two pictures cannot be distinguished from a short
 from __future__ import annotations
 
 import os
+import struct
 from enum import Enum
 from pathlib import Path
 from typing import BinaryIO
@@ -18,6 +19,7 @@ _TS_BYTES = 188
 _TS_STEPS = ((_TS_BYTES, 0), (192, 0), (204, 16))
 """Bytes from packet to packet, and after one: plain, with time codes, with error correction."""
 _TS_LEAST = 4
+_CINE_HEADER_BYTES = 44
 
 
 class Ending(Enum):
@@ -38,8 +40,9 @@ def find_ending(path: str | Path, container: str, stream_id: int) -> Ending:
     path : str or Path
         The file.
     container : str
-        FFmpeg's name of the container: Matroska (WebM), MP4 (QuickTime), Flash video and MPEG
-        transport streams are known; of AVI, the number of frames in its header is (elsewhere).
+        FFmpeg's name of the container: Matroska (WebM), MP4 (QuickTime), Flash video, MPEG
+        transport streams and Phantom cine are known; of AVI, the number of frames in its header is
+        (elsewhere).
     stream_id : int
         The container's own number of the video stream.
 
@@ -58,6 +61,8 @@ def find_ending(path: str | Path, container: str, stream_id: int) -> Ending:
             return _end_of_tags(file, size)
         if container == "mpegts":
             return _end_of_transport(file, size, stream_id)
+        if container == "cine":
+            return _end_of_cine(file, size)
     return Ending.UNTOLD if container == "avi" else Ending.UNKNOWN
 
 
@@ -109,6 +114,18 @@ def _end_of_tags(file: BinaryIO, size: int) -> Ending:
         file.seek(at)
         at += 15 + int.from_bytes(file.read(4)[1:4], "big")
     return Ending.CUT if at > size else Ending.UNTOLD
+
+
+def _end_of_cine(file: BinaryIO, size: int) -> Ending:
+    """Look where a Phantom camera says that its last picture is (CINEFILEHEADER, then offsets)."""
+    n, _, _, offsets = struct.unpack("<4I", file.read(_CINE_HEADER_BYTES)[20:36])
+    file.seek(offsets + 8 * (n - 1))
+    last = int.from_bytes(file.read(8), "little")
+    file.seek(last)
+    note_bytes = int.from_bytes(file.read(4), "little")  # their last four are the picture's size
+    file.seek(last + note_bytes - 4)
+    at = last + note_bytes + int.from_bytes(file.read(4), "little")
+    return Ending.CUT if not last or at > size else Ending.WHOLE
 
 
 def _end_of_transport(file: BinaryIO, size: int, stream_id: int) -> Ending:

@@ -15,6 +15,13 @@ from pawnb.core.video.viewset import ViewSet
 from pawnb.errors import VideoError
 from pawnb.trial import Trial, View
 
+_CAMERAS = {
+    ".cine": ("Phantom", "Phantom Camera Control (PCC)"),
+    **dict.fromkeys((".mraw", ".cih", ".cihx"), ("Photron", "Photron FASTCAM Viewer (PFV)")),
+    ".seq": ("Norpix", "StreamPix"),
+}
+"""Endings of the files of cameras' own programs: whose, and which program saves them otherwise."""
+
 
 def open_view(
     view: View, folder: Path, *, lens: Lens | None = None, fps: float | None = None
@@ -108,4 +115,17 @@ def _open_source(view: View, folder: Path, n_files: int = 1) -> Source:
             return PictureStack(path) if n_pictures(path) > 1 else PictureFolder(path)
         return VideoFile(path, n_files=n_files)
     except VideoError as error:
-        raise VideoError(f"view {view.name!r}: {error}") from None
+        words = _of_a_camera(path) or str(error)
+        raise VideoError(f"view {view.name!r}: {words}") from None
+
+
+def _of_a_camera(path: Path) -> str:
+    """Say how to save what a camera's own program wrote, where that cannot be read."""
+    if path.suffix.lower() not in _CAMERAS or not path.is_file() or not path.stat().st_size:
+        return ""
+    maker, program = _CAMERAS[path.suffix.lower()]
+    kinds = ", but for cine files of 8, 10 or 16 bits a pixel that are whole"
+    return (
+        f"{path}: {maker}'s own format, which is not read{kinds * (maker == 'Phantom')}; save the "
+        f"recording in {program} as AVI (uncompressed or Motion JPEG) or as TIFF, and name that."
+    )

@@ -7,7 +7,15 @@ import struct
 import av
 import numpy as np
 import pytest
-from video_clips import copy_packets, packet_bytes, write_clip, write_h264, write_mjpeg
+from video_clips import (
+    copy_packets,
+    packet_bytes,
+    picture,
+    write_cine,
+    write_clip,
+    write_h264,
+    write_mjpeg,
+)
 
 from pawnb.core.video import open_view
 from pawnb.core.video.file import VideoFile
@@ -79,8 +87,8 @@ def test_a_file_cut_anywhere_tells_and_misnumbers_nothing(tmp_path, kind):
             assert at < borders[16], f"at {at}: refused, though much of it is there"
             continue
         most = max(most, len(pictures))
-        for number, picture in enumerate(pictures):
-            np.testing.assert_array_equal(picture, whole[number], f"at {at}: frame {number}")
+        for number, one in enumerate(pictures):
+            np.testing.assert_array_equal(one, whole[number], f"at {at}: frame {number}")
         if len(pictures) < N and not may_end_at(data, at, borders, kind.split()[1]):
             assert notes == [f"{cut} is cut short: ends with frame {len(pictures) - 1}."], at
     assert most >= N - 6  # it does not tell by leaving out much
@@ -145,3 +153,30 @@ def test_one_dropped_frame_in_an_avi_is_time_that_passes(tmp_path):
     video = VideoFile(write_mjpeg(tmp_path / "clip.avi", n=29, times=[*range(10), *range(11, 30)]))
     assert video.is_variable_rate
     np.testing.assert_allclose(np.diff(video.stamps_s)[8:11], [0.02, 0.04, 0.02])
+
+
+def test_a_film_of_a_phantom_camera_is_read_and_tells_where_it_ends(tmp_path):
+    pictures = [picture(k)[..., 0] for k in range(N)]
+    path = write_cine(tmp_path / "run.cine", pictures)
+    video = VideoFile(path)
+    assert (video.n_frames, video.notes) == (N, [])
+    assert video.stamps_s[:3].tolist() == [0.0, 0.001, 0.002]
+    assert np.array_equal(video.grab(7).region(0, 0, video.width, video.height), pictures[7])
+    for lacking in (1, pictures[0].size + 4, 3 * pictures[0].size):
+        part = tmp_path / f"{lacking}.cine"
+        part.write_bytes(path.read_bytes()[:-lacking])
+        short = VideoFile(part)
+        assert short.notes == [f"{part} is cut short: ends with frame {short.n_frames - 1}."]
+        assert short.n_frames == N - -(-lacking // (8 + pictures[0].size))
+
+
+@pytest.mark.parametrize(
+    ("name", "program"), [("a.mraw", "Photron"), ("a.cihx", "Photron"), ("a.CINE", "Phantom")]
+)
+def test_a_format_of_a_camera_that_is_not_read_is_named_with_what_saves_it(tmp_path, name, program):
+    # what Photron's pictures are: bits without a head; a cine of 12 packed bits (1024)
+    (tmp_path / name).write_bytes(bytes(range(256)) * 64)
+    if name == "a.CINE":
+        write_cine(tmp_path / name, [picture(0)[..., 0]], compression=1024)
+    with pytest.raises(VideoError, match=rf"{program}.*own format.*save the recording in .* TIFF"):
+        open_view(View(name="side", video=name), tmp_path)
