@@ -68,6 +68,8 @@ class VideoFile:
         Whether they are not evenly spaced.
     filmed_fps : float or None
         Frames per second of the recording, where the camera wrote them into the file.
+    frame_bytes : ndarray of int, shape (n_frames,), or None
+        Bytes that each frame takes in the file, where that is known.
     notes : list of str
         What a user should know, in plain sentences: a file that is cut short, turned,
         interlaced, or whose pixels are not square.
@@ -103,6 +105,7 @@ class VideoFile:
             self.stamps_s: np.ndarray | None = self._index.stamps_s
             self.is_variable_rate = self._index.is_variable_rate
             self.filmed_fps = _filmed_fps(self._container)
+            self.frame_bytes = self._index.frame_bytes
             self._coded = self._stream.width, self._stream.height
             size = max(self._coded[0] * self._coded[1] * 2, 1)
             self._block = min(max(_BLOCK_BYTES // (n_files * size), 4), 64)

@@ -86,6 +86,8 @@ class PacketIndex:
         Whether they are not evenly spaced.
     begins_anew : bool
         Whether time begins anew within the file; stamps are then those of an even rate.
+    frame_bytes : ndarray of int, shape (n_frames,), or None
+        Bytes of the packet of each frame; None where ``numbers`` is.
     """
 
     def __init__(
@@ -123,6 +125,7 @@ class PacketIndex:
             self.numbers = np.where(hidden, -1, places).astype(np.int32)
         elif is_cut:
             self.n_frames = max(self.n_frames - MOST_REORDERED, 0)
+        self.frame_bytes = self._bytes_of_frames()
         # arrays, as each packet of Motion JPEG is one at which decoding can begin
         self._firsts, self._restarts = np.array(self._begins(packets, places), np.int32).T.copy()
         self._in_order = np.sort(self._restarts)
@@ -134,6 +137,15 @@ class PacketIndex:
         self.stamps_s, is_uneven = _stamps(ticks, tick_s, rate_hz)
         is_uneven |= counts_ticks and len(np.unique(np.diff(ticks))) > 1
         self.is_variable_rate = is_uneven
+
+    def _bytes_of_frames(self) -> IntArray | None:
+        """Return how long the packets of the frames are, where it is known whose they are."""
+        if self.numbers is None:
+            return None
+        known = (self.numbers >= 0) & (self.numbers < self.n_frames)
+        lengths = np.zeros(self.n_frames, np.int64)
+        lengths[self.numbers[known]] = self._sizes[known]
+        return lengths
 
     def _begins(self, packets: Sequence[Packet], places: IntArray) -> list[tuple[int, int]]:
         """Return the packets where decoding can begin, and before them the first exact frame."""

@@ -77,6 +77,8 @@ class PictureFolder:
         Whether the first picture is in colour.
     stamps_s, filmed_fps : None
         Pictures carry no time.
+    frame_bytes : ndarray of int, shape (n_frames,)
+        Bytes of the file of each.
     is_variable_rate : bool
         False.
     notes : list of str
@@ -107,6 +109,7 @@ class PictureFolder:
         self.is_colour = first.is_colour
         self.stamps_s: np.ndarray | None = None
         self.filmed_fps: float | None = None
+        self.frame_bytes = np.array([path.stat().st_size for path in self._files])
         self.is_variable_rate = False
 
     def grab(self, index: int, *, partly: bool = False) -> Picture:  # noqa: ARG002

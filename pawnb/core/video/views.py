@@ -11,7 +11,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray, FloatArray, Points2D
+from pawnb.arrays import ByteArray, FloatArray, IntArray, Points2D
 from pawnb.core.closing import Closing
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.pixels.bayer import debayered
@@ -39,6 +39,7 @@ class Source(Protocol):
     stamps_s: np.ndarray | None
     is_variable_rate: bool
     filmed_fps: float | None
+    frame_bytes: IntArray | None
 
     def grab(self, index: int, *, partly: bool = False) -> Picture:
         """Return the picture of that number; safe to call from any thread.

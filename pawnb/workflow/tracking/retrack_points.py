@@ -20,8 +20,10 @@ from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
+from pawnb.core.paws.stalled_labels import without_stalled
 from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
 from pawnb.core.video import ViewSet
+from pawnb.core.video.doubts.repeated import stalls_of_views
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, add_provenance
 from pawnb.trial import Trial
@@ -97,25 +99,25 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
             store = _kept_detections(trial, asked.out, stack)
             given = {"annotations": looked, "kept": KeptEvidence(store)}
         span = (int(known[0] if joint else frame), int(known[-1]) + 1)
-        others: dict[str, Any] = {}
-        if tracker.is_offline:
-            others = _evidence_of_others(trial, views, clicks, span, asked)
+        others = _evidence_of_others(trial, views, clicks, span, asked, tracker=tracker)
         task = paw_task(
             trial, rig, clicks, frames=span, tracks=None if joint else tracks,
             progress=run.report, stop=asked.stop, **others,
         )  # fmt: skip
         corrected = Correction(learnt, **given)
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
-        sizes = run.sizes
+        stalls = stalls_of_views(trial, views, start=span[0], stop=span[1])
         tolerance = {name: _tolerance_px(reader.width) for name, reader in views.readers.items()}
     # an animal that was renamed in trial.toml is still that of these tracks
-    new = in_real_units(new, trial, units="px").assign_coords(individual=tracks["individual"])
+    new = in_real_units(without_stalled(new, stalls), trial, units="px").assign_coords(
+        individual=tracks["individual"]
+    )
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
         return tracks  # stopped: a part of the recording does not decide over the whole
     new = new.isel(time=np.isin(new["frame"], known))
     new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
     if not tracker.is_offline:
-        new = shown_in_every_view(new, rig, sizes)
+        new = shown_in_every_view(new, rig, run.sizes)
     new = keep_likeness(tracks, new.assign_attrs(tracks.attrs))
     new = describe_trial(new.assign_coords(time=tracks["time"]), trial)
     return _with_step(
@@ -125,9 +127,17 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
 
 
 def _evidence_of_others(
-    trial: Trial, views: ViewSet, clicks: pd.DataFrame, span: tuple[int, int], asked: RetrackOptions
+    trial: Trial,
+    views: ViewSet,
+    clicks: pd.DataFrame,
+    span: tuple[int, int],
+    asked: RetrackOptions,
+    *,
+    tracker: AnyTracker,
 ) -> dict[str, Any]:
     """Return what other programs predict, and further kinds of evidence."""
+    if not tracker.is_offline:
+        return {}
     return {
         "predictions": predictions_for(trial, views, clicks, frames=span),
         "evidence": point_trackers(trial, asked.stop),

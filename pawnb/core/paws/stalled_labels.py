@@ -1,0 +1,50 @@
+"""Labels of frames in which a film stood still: nothing was seen there, so nothing was measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pawnb.schema import ORIGIN_CODE, Tracks
+
+Stalls = Mapping[str, Sequence[tuple[int, int]]]
+"""View to half-open ranges of frames of the trial in which its film shows one picture again."""
+
+
+def without_stalled(tracks: Tracks, stalls: Stalls) -> Tracks:
+    """Return tracks whose labels in stalls count as predicted, without any confidence.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    stalls : mapping
+        Where the film of each view stood still.
+
+    Returns
+    -------
+    xarray.Dataset
+        Positions are as they were; what a person has placed stays as it is. A position in space
+        is predicted where no view has measured it.
+    """
+    frames = tracks["frame"].to_numpy()
+    stalled = np.zeros((tracks.sizes["time"], tracks.sizes["view"]), bool)
+    for v, name in enumerate(tracks["view"].to_numpy()):
+        for first, stop in stalls.get(str(name), ()):
+            stalled[:, v] |= (frames >= first) & (frames < stop)
+    if not stalled.any():
+        return tracks
+    measured, predicted = ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"]
+    origin, confidence = tracks["image_origin"], tracks["image_confidence"]
+    hit = stalled[..., None, None] & np.isin(origin, (measured, predicted))
+    sure = np.isin(np.where(hit, predicted, origin), (measured, ORIGIN_CODE["edited"])).any(axis=1)
+    in_space = hit.any(axis=1) & ~sure & (tracks["origin"].to_numpy() == measured)
+    return tracks.assign(
+        image_origin=origin.copy(data=np.where(hit, predicted, origin).astype(origin.dtype)),
+        image_confidence=confidence.copy(data=np.where(hit, 0.0, confidence)),
+        origin=tracks["origin"].copy(
+            data=np.where(in_space, predicted, tracks["origin"]).astype(tracks["origin"].dtype)
+        ),
+        confidence=tracks["confidence"].copy(data=np.where(in_space, 0.0, tracks["confidence"])),
+    )
