@@ -109,7 +109,7 @@ class PictureFolder:
         self.is_colour = first.is_colour
         self.stamps_s: np.ndarray | None = None
         self.filmed_fps: float | None = None
-        self.frame_bytes = np.array([path.stat().st_size for path in self._files])
+        self.frame_bytes: IntArray | None = np.array([path.stat().st_size for path in self._files])
         self.is_variable_rate = False
 
     def grab(self, index: int, *, partly: bool = False) -> Picture:  # noqa: ARG002
