@@ -54,6 +54,10 @@ class CalibrationError(InputError):
     """Calibration is missing, or its points do not determine a camera."""
 
 
+class BusyError(InputError):
+    """Another process, window or machine is writing there; nothing is wrong with what was given."""
+
+
 class InputWarning(UserWarning):
     """Something the user gave is used, but not as it was probably meant (a file cut short)."""
 

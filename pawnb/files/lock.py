@@ -9,14 +9,18 @@ from __future__ import annotations
 import errno
 import os
 import socket
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from pawnb.errors import InputError
+from pawnb.errors import BusyError, InputError
 
 # what file systems without locks answer; filelock itself knows ENOSYS
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL)
+
+# of filelock, where a file has to do for a lock; not within a block, as locks are taken on threads
+warnings.filterwarnings("ignore", "flock not supported", UserWarning)
 
 
 @contextmanager
@@ -40,13 +44,16 @@ def locked(path: str | Path, *, remedy: str, wait_s: float = 0.0) -> Iterator[No
 
     Raises
     ------
+    BusyError
+        If another process or thread holds the lock, with who it is.
     InputError
-        If another process or thread holds the lock, with who it is; if there can be no lock.
+        If there can be no lock.
 
     Notes
     -----
-    The thread that holds a lock may enter it again. A file system that knows no locks is used
-    without: whoever writes there checks what it finds.
+    The thread that holds a lock may enter it again. Where the system knows no locks at all
+    (ENOSYS) filelock takes it that the lock's file is there for one. Other file systems without
+    locks are used without: whoever writes there checks what it finds.
     """
     import filelock  # takes 30 ms, which readers need not wait for
 
@@ -56,14 +63,15 @@ def locked(path: str | Path, *, remedy: str, wait_s: float = 0.0) -> Iterator[No
     try:
         lock.acquire(timeout=wait_s, poll_interval=0.005)
     except filelock.Timeout:
-        raise InputError(f"{path}: {_holder(file)} is writing here; {remedy}.") from None
+        raise BusyError(f"{path}: {_holder(file)} is writing here; {remedy}.") from None
     except OSError as error:
         if error.errno not in _NO_LOCKS:
             raise InputError(
                 f"{path}: cannot be written ({error.strerror or error}); free some space or "
                 "choose another place."
             ) from None
-    first = lock.lock_counter == 1
+    # a lock that is but a file says itself whose it is, and is broken where it says anything else
+    first = lock.lock_counter == 1 and not isinstance(lock, filelock.SoftFileLock)
     try:
         if first:
             with suppress(OSError):  # on Windows a locked file takes no second writer
@@ -81,7 +89,7 @@ def locked(path: str | Path, *, remedy: str, wait_s: float = 0.0) -> Iterator[No
 def _holder(file: Path) -> str:
     """Return in words who holds a lock."""
     try:
-        process, host = file.read_text(encoding="utf-8").split()
+        process, host, *_ = file.read_text(encoding="utf-8").split()
     except (OSError, ValueError):
         return "another window or program"
     here = " of this machine" if host == socket.gethostname() else f" of the machine {host}"

@@ -21,6 +21,19 @@ with locked(sys.argv[1], remedy="wait"):
     sys.stdin.read()
 """
 
+_WITHOUT_LOCKS = """
+import errno, filelock._unix as unix
+def flock(*_):
+    raise OSError(errno.ENOSYS, "Function not implemented")
+unix.fcntl.flock = flock
+"""
+_ENTER = """
+import sys
+from pawnb.files import locked
+with locked(sys.argv[1], remedy="wait", wait_s=float(sys.argv[2])):
+    print("entered")
+"""
+
 
 def names(folder):
     return [path.name for path in folder.iterdir()]
@@ -93,3 +106,26 @@ for _ in range(100):
     started = [subprocess.Popen([sys.executable, "-c", code, str(path)]) for _ in range(3)]
     assert [process.wait() for process in started] == [0, 0, 0]
     assert path.read_text() == "300"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="flock is not of Windows")
+def test_where_the_system_knows_no_locks_a_living_process_keeps_others_out(tmp_path):
+    """A file does for a lock then: who waited for longer than 2 s broke it, and both wrote."""
+    holder = subprocess.Popen(
+        [sys.executable, "-c", _WITHOUT_LOCKS + _HOLD, str(tmp_path)],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+
+    def enter(wait_s):
+        command = [sys.executable, "-c", _WITHOUT_LOCKS + _ENTER, str(tmp_path), str(wait_s)]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    assert holder.stdout.readline() == "held\n"
+    said = enter(4.0)
+    assert said.stdout == ""
+    assert f"process {holder.pid} of this machine is writing here" in said.stderr
+    holder.kill()
+    assert holder.communicate()[1] == ""  # nor is anybody told of the lock
+    assert enter(0.0).stdout == "entered\n"
+    assert names(tmp_path) == []

@@ -10,6 +10,12 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import IO, Any, NamedTuple, Protocol
 
+_KILLED_STATUS = -9
+_KILLED = (
+    "it was killed, as the system does where memory runs out; let fewer trials run at once, or "
+    "run this again"
+)
+
 
 class TrialOutcome(NamedTuple):
     """What became of a trial: status, one sentence and verdict as in a :class:`BatchReport`."""
@@ -93,8 +99,9 @@ class WorkerProcess:
         try:
             answer = TrialOutcome(**json.loads(said[-1]))
         except (IndexError, json.JSONDecodeError):
-            last = errors[-1] if errors else "nothing was said"
             code = self._process.returncode
+            last = errors[-1] if errors else "nothing was said"
+            last = _KILLED if code == _KILLED_STATUS else last
             answer = TrialOutcome("failed", f"its process ended with status {code}: {last}")
         if self._stopping and answer.status == "failed":
             return TrialOutcome("stopped", "interrupted before anything was done")

@@ -1,9 +1,10 @@
 """Many trials, one process each, begun again where it stopped.
 
 A trial whose results are whole, and were made from the same files with the same method and
-settings, is skipped. What fails is collected and does not stop the others. Each trial is tracked
-by :mod:`pawnb.workflow.batch.worker` in a process of its own, so that one that crashes or fills
-the memory takes no other with it: on this machine, or where a scheduler's workers are
+settings, is skipped, and so is one that another process is tracking (``busy``). What fails is
+collected and does not stop the others. Each trial is tracked by
+:mod:`pawnb.workflow.batch.worker` in a process of its own, so that one that crashes or fills the
+memory takes no other with it: on this machine, or where a scheduler's workers are
 (:mod:`pawnb.workflow.batch.places`, :mod:`pawnb.workflow.batch.scheduler`).
 """
 
@@ -25,7 +26,7 @@ from pawnb.files import child_folder
 from pawnb.schema import each_of
 from pawnb.trial import Trial, load_trial
 from pawnb.trial.file import find_trial_files
-from pawnb.workflow.batch.places import Places, Processes
+from pawnb.workflow.batch.places import Places, Processes, TrialOutcome
 from pawnb.workflow.batch.scheduler import Scheduler
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.provenance.manifest import MANIFEST, find_fault, known_files
@@ -35,6 +36,11 @@ from pawnb.workflow.reviewing.quality import QUALITY_FILE, read_verdict
 from pawnb.workflow.tracking.methods import settings_in_force, trial_tracker
 
 _POLL_S = 0.05
+_STATUSES = {
+    "tracked": "tracked", "skipped": "skipped", "busy": "being done by another process",
+    "failed": "failed", "stopped": "stopped",
+}  # fmt: skip
+"""What became of a trial, and the words for it in a count."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +51,9 @@ class BatchReport:
     ----------
     table : DataFrame
         trial (its path), out (folder of its results), status (``tracked``, ``skipped``,
-        ``failed``, ``stopped``), said (one sentence) and verdict on the tracks (``good``,
-        ``look``, ``failed``; empty where there are none), in the order given.
+        ``busy``: another process is tracking it, ``failed``, ``stopped``), said (one sentence)
+        and verdict on the tracks (``good``, ``look``, ``failed``; empty where there are none),
+        in the order given.
     """
 
     table: pd.DataFrame
@@ -70,13 +77,15 @@ class BatchReport:
 
     def text(self) -> str:
         """Return how many were tracked, skipped, failed and stopped, and how good tracks are."""
-        done = self._counts("status", ("tracked", "skipped", "failed", "stopped"))
+        done = self._counts("status", tuple(_STATUSES))
         tracks = self._counts("verdict", ("good", "look", "failed"))
         return f"{done}; tracks: {tracks}" if tracks else done
 
     def _counts(self, column: str, names: Sequence[str]) -> str:
         counts = self.table[column].value_counts()
-        return ", ".join(f"{counts[name]} {name}" for name in names if name in counts)
+        return ", ".join(
+            f"{counts[name]} {_STATUSES.get(name, name)}" for name in names if name in counts
+        )
 
 
 @dataclass
@@ -172,6 +181,7 @@ def _work(
     """Track every job where there is room, until all are done or an interrupt stops them."""
     folders: dict[Path, Path] = {}
     waiting, running = deque(jobs), dict[int, _Job]()
+    busy: list[_Job] | None = []  # looked at once more when all others are done
     with interruptible() as stopped:
         while (waiting and not stopped()) or running:
             while waiting and not stopped() and places.has_room():
@@ -189,7 +199,12 @@ def _work(
                 job.status, job.said, job.verdict = answer
                 if job.status == "failed" and job.out is not None:
                     _note(job)
-                tell(_line(job, len(jobs)))
+                if job.status == "busy" and busy is not None:
+                    busy.append(job)
+                else:
+                    tell(_line(job, len(jobs)))
+            if busy and not waiting and not running:
+                waiting, busy = deque(busy), None
             if running or waiting:
                 places.wait(_POLL_S)
 
@@ -272,6 +287,36 @@ def is_tracked(
     return same and step["inputs"] == trial_checksums(trial)
 
 
+def tracked_already(
+    trial: Trial, out: Path, *, method: str, settings: Mapping[str, Any] | None
+) -> TrialOutcome | None:
+    """Return what to say of a trial that need not be tracked; None where it is to be tracked.
+
+    Parameters
+    ----------
+    trial, out, method, settings
+        As for :func:`is_tracked`.
+
+    Returns
+    -------
+    TrialOutcome or None
+        ``skipped``, with the verdict of before.
+
+    Raises
+    ------
+    InputError
+        As for :func:`is_tracked`; if corrections lie there that were made to other tracks.
+    """
+    if is_tracked(trial, out, method=method, settings=settings):
+        return TrialOutcome("skipped", f"tracked already, {out}", read_verdict(out))
+    if (out / "edits.jsonl").exists():
+        raise InputError(
+            f"{out} holds corrections made by hand to tracks of other files or settings; "
+            "choose another folder with --out, or move them."
+        )
+    return None
+
+
 def _tracked_before(out: Path, files: set[str]) -> dict[str, Any] | None:
     """Return the record of the last tracking in whole results, or None."""
     known = known_files(out)
@@ -297,15 +342,10 @@ def _order(
         first = folders.setdefault(folder.resolve(), job.path)
         if first != job.path:
             raise InputError(f"its results would overwrite those of {first}; rename one of them.")
-        if is_tracked(trial, folder, method=method, settings=asked["settings"]):
-            job.status, job.said = "skipped", f"tracked already, {folder}"
-            job.verdict = read_verdict(folder)
+        done = tracked_already(trial, folder, method=method, settings=asked["settings"])
+        if done is not None:
+            job.status, job.said, job.verdict = done
             return None
-        if (folder / "edits.jsonl").exists():
-            raise InputError(
-                f"{folder} holds corrections made by hand to tracks of other files or settings; "
-                "choose another folder with --out, or move them."
-            )
     except PawnbError as error:
         job.status, job.said = "failed", str(error)
         return None

@@ -10,13 +10,19 @@ import json
 import os
 import sys
 import threading
+from pathlib import Path
 from typing import Any
 
-from pawnb.errors import InputWarning, PawnbError, QualityWarning
+from pawnb.errors import BusyError, InputWarning, PawnbError, QualityWarning
 from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import load_trial
+from pawnb.workflow.batch.run import tracked_already
+from pawnb.workflow.provenance.manifest import run_alone
+from pawnb.workflow.provenance.results import make_folder
 from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.tracking.track import track
+
+_NO_MEMORY = "the memory was too small for it: let fewer trials run at once"
 
 
 def main() -> None:
@@ -30,20 +36,34 @@ def main() -> None:
 
 def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
     """Track the trial of an order; bad input becomes an answer, not an error."""
+    asked = {"method": order["method"], "settings": order["settings"]}
+    out = Path(order["out"])
     warned: list[InputWarning] = []
     with hearing_input_warnings(warned.append, shown=False):
         try:
-            tracks = track(
-                load_trial(order["trial"]),
-                method=order["method"],
-                settings=order["settings"],
-                out=order["out"],
-                progress=lambda _done, _total: None,
-                stop=stop.is_set,
-                command=order["command"] or None,
-            )
+            trial = load_trial(order["trial"])
+            with run_alone(make_folder(out)):
+                # another batch may have tracked it since this was ordered
+                before = tracked_already(trial, out, **asked)
+                if before is not None:
+                    return before._asdict()
+                tracks = track(
+                    trial,
+                    **asked,
+                    out=out,
+                    progress=lambda _done, _total: None,
+                    stop=stop.is_set,
+                    command=order["command"] or None,
+                )
+        except BusyError as error:
+            return {"status": "busy", "said": str(error)}
         except PawnbError as error:
             return {"status": "failed", "said": str(error)}
+        except MemoryError as error:
+            return {"status": "failed", "said": f"{_NO_MEMORY} ({error or 'MemoryError'})"}
+        except OSError as error:  # such as a full disk
+            where = f"{error.filename}: " if error.filename else ""
+            return {"status": "failed", "said": f"{where}{error.strerror or error}"}
     if stop.is_set() and not tracks.sizes["time"]:
         return {"status": "stopped", "said": "interrupted before the first frame was tracked"}
     notes = [str(one) for one in warned if not isinstance(one, QualityWarning)]

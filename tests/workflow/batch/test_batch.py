@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import threading
+from pathlib import Path
 
 import pytest
 
 from pawnb.cli import main
 from pawnb.errors import InputError
+from pawnb.files import locked
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, add_provenance, make_tracks
 from pawnb.trial import load_trial
 from pawnb.workflow.batch import run as batch_module
-from pawnb.workflow.batch.places import Processes
+from pawnb.workflow.batch.places import Processes, TrialOutcome
 from pawnb.workflow.batch.run import batch, find_trials, is_tracked
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, writing_results
 from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
@@ -177,7 +180,8 @@ def test_a_process_that_dies_takes_no_other_with_it(trials, monkeypatch):
     monkeypatch.setattr(Processes, "begin", begin)
     done = batch([trials / "a", trials / "b"], settings=QUICK)
     assert done.table["status"].tolist() == ["failed", "tracked"]
-    assert done.failed["said"].item().startswith("its process ended with status -9")
+    said = "its process ended with status -9: it was killed, as the system does where memory runs"
+    assert done.failed["said"].item().startswith(said)
     # the list of the workbench says it, until the trial is tracked
     wrong = "tracking failed when it was tried last: its process ended with status -9"
     assert state_of(trials / "a").wrong.startswith(wrong)
@@ -186,6 +190,54 @@ def test_a_process_that_dies_takes_no_other_with_it(trials, monkeypatch):
     monkeypatch.undo()
     assert batch([trials / "a"], settings=QUICK).table["status"].tolist() == ["tracked"]
     assert state_of(trials / "a").wrong == ""
+
+
+def test_a_trial_that_another_process_is_tracking_is_no_failure(trials, capsys):
+    """Two runs of pawnb batch on one study: the second counted such trials as failed."""
+    results = trials / "a" / "results"
+    results.mkdir()
+    with locked(results, remedy="wait"):
+        assert main(["batch", str(trials / "a")]) == 0
+    out, err = capsys.readouterr()
+    assert f"process {os.getpid()} of this machine is writing here" in out
+    assert out.splitlines()[1:] == ["1 being done by another process"]
+    assert err == ""
+    assert list(results.iterdir()) == []  # no word of a failure
+
+
+def test_who_was_busy_is_tried_once_more_when_all_others_are_done(trials, monkeypatch):
+    began, answers = [], {"a": ["busy", "tracked"], "b": ["busy", "busy"], "c": ["tracked"]}
+
+    class Answering:
+        def __init__(self, _workers):
+            self.left = {}
+
+        def has_room(self):
+            return not self.left
+
+        def begin(self, number, order):
+            began.append(Path(order["trial"]).name)
+            self.left[number] = TrialOutcome(answers[began[-1]].pop(0), "said")
+
+        def ended(self):
+            left, self.left = self.left, {}
+            return left
+
+        def wait(self, _at_most_s):
+            pass
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(batch_module, "Processes", Answering)
+    shutil.copytree(trials / "b", trials / "c")
+    lines = []
+    done = batch([trials / name for name in "abc"], settings=QUICK, report=lines.append)
+    assert began == ["a", "b", "c", "a", "b"]
+    assert done.table["status"].tolist() == ["tracked", "busy", "tracked"]
+    assert done.text() == "2 tracked, 1 being done by another process"
+    assert len(lines) == 3
+    assert not len(done.failed)
 
 
 def test_an_interrupt_stops_what_is_under_way_and_leaves_the_rest(trials, monkeypatch):

@@ -7,16 +7,20 @@ import json
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas as pd
 import pytest
+from fontTools.subset import Options
+from matplotlib.figure import Figure
 from PIL import Image
 
 from pawnb import figures
 from pawnb.errors import InputError
+from pawnb.figures.panels import apart_from_pyplot, new_axes
 from pawnb.gait import analyse_events
 from pawnb.workflow.gait.drawing import save_figures
 from pawnb.workflow.gait.drawing.drawings import gait_drawings
-from pawnb.workflow.gait.drawing.save_figures import save_gait_figures
+from pawnb.workflow.gait.drawing.save_figures import save_figure, save_gait_figures
 
 mpl.use("Agg")
 
@@ -136,3 +140,25 @@ def test_a_notebook_neither_draws_nor_closes_a_figure_that_is_being_saved(tmp_pa
     assert set(map(tuple, known)) == {tuple(before)}
     assert plt.get_fignums() == before
     plt.close(own)
+
+
+@pytest.mark.slow
+def test_each_format_is_drawn_once_and_as_matplotlib_saves_it(tmp_path, monkeypatch):
+    """Each was drawn twice: matplotlib lays out again wherever there is any engine of layout."""
+    drawn, draw, dropped = [], Figure.draw, list(Options._drop_tables_default)
+    with figures.style(), apart_from_pyplot():
+        figure, ax = new_axes(figsize=(2.0, 2.0))
+        ax.plot([0.0, 1.0], [0.0, 1.0])
+        ax.set_ylabel("Duty factor")
+        monkeypatch.setattr(Figure, "draw", lambda *own: drawn.append(1) or draw(*own))
+        files = save_figure(ax, tmp_path / "own", record={"step": "gait"})
+        monkeypatch.undo()
+        # once to lay it out
+        assert len(drawn) == 1 + len(files)
+        figure.savefig(tmp_path / "usual.png", dpi=300.0)
+        figure.savefig(tmp_path / "usual.pdf")
+    own, usual = (np.asarray(Image.open(tmp_path / f"{name}.png")) for name in ("own", "usual"))
+    assert np.array_equal(own, usual)
+    # a font without its tables of layout is smaller
+    assert (tmp_path / "own.pdf").stat().st_size < (tmp_path / "usual.pdf").stat().st_size
+    assert Options._drop_tables_default == dropped
