@@ -26,6 +26,7 @@ from pawnb.files import (
     check_file,
     check_replaceable,
     child_folder,
+    keep_copy,
     locked,
     read_text,
     staged,
@@ -43,6 +44,8 @@ MANIFEST = "provenance.json"
 PUT_ASIDE = "provenance.unfinished.json"
 """The list of before, while files are moved; it is there afterwards only if a run was killed."""
 
+_OWN = "before"
+"""In the name of the copy of a file that is not a run's: ``animals.before.csv``."""
 _BUSY = "wait until it has ended, or choose another folder with --out"
 
 
@@ -215,6 +218,7 @@ def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[
             child_folder(folder, parts[0], what="the folder of figures").mkdir(exist_ok=True)
         if (folder / name).is_dir():
             raise InputError(f"{folder / name}: a folder; a file of that name belongs there.")
+    own_copies = _copies_of_own(folder, sums)
     files = {name: file for name, file in before.files.items() if file["run"] != run}
     files |= {name: {"run": run, "sha256": sha256} for name, sha256 in sums.items()}
     other: RunKind = "gait" if run == "track" else "track"
@@ -227,6 +231,12 @@ def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[
         staging, sums, gone=gone, listing=_text(manifest).encode(),
         empty=_text(Manifest([], {})).encode(),
     )  # fmt: skip
+    if own_copies:
+        said = ", ".join(f"{name} as {copy}" for name, copy in own_copies.items())
+        warn_of_input(
+            f"{folder}: files that lay here and were not as a run of pawnb wrote them are kept "
+            f"under other names: {said}.", InputWarning, stacklevel=4,
+        )  # fmt: skip
     if kept := [name for name in others_of_before if now[name] is not None and name not in gone]:
         verb = "was" if len(kept) == 1 else "were"
         warn_of_input(
@@ -234,6 +244,23 @@ def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[
             "run writes no such file: kept, but not of these results; take it away or give it "
             "another name.", InputWarning, stacklevel=4,
         )  # fmt: skip
+
+
+def _copies_of_own(folder: Path, sums: Mapping[str, str]) -> dict[str, str]:
+    """Keep copies of files that a run will write over and a person has made or changed.
+
+    Results of a file lie beside it by default, where a lab's own animals.csv may be.
+    """
+    manifest = read_manifest(folder)
+    if manifest is None and (folder / PUT_ASIDE).exists():
+        return {}  # a run was killed here: whose files are whose is not known
+    listed = {} if manifest is None else manifest.files
+    now = {name: sha256 for name in sums if (sha256 := _sha256(folder / name)) is not None}
+    return {
+        name: keep_copy(folder / name, _OWN).relative_to(folder).as_posix()
+        for name, sha256 in now.items()
+        if sha256 not in (sums[name], listed.get(name, {}).get("sha256"))
+    }
 
 
 def _text(manifest: Manifest) -> str:

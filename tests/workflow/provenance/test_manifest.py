@@ -9,6 +9,7 @@ import os
 import signal
 import subprocess
 import sys
+import warnings
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -117,8 +118,28 @@ def test_what_is_wrong_is_one_sentence_with_a_remedy(tmp_path, spoil, said):
     fault = find_fault(out, run="track")
     assert said in fault
     assert "run pawnb track again" in fault
-    write(out)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".* kept under other names", InputWarning)
+        write(out)
     assert find_fault(out, run="track") is None
+
+
+def test_tables_of_a_person_are_kept_where_a_run_writes_some_of_that_name(tmp_path):
+    """A lab's animals.csv beside the tracks of a mouse was written over, without a word."""
+    (tmp_path / "animals.csv").write_text("animal,weight\nm01,20\n")
+    (tmp_path / "same.csv").write_text("same.csv ")
+    names = ("animals.csv", "same.csv", "strides.csv")
+    with pytest.warns(InputWarning, match=r"names: animals\.csv as animals\.before\.csv\.$"):
+        write(tmp_path, run="gait", names=names)
+    assert (tmp_path / "animals.before.csv").read_text() == "animal,weight\nm01,20\n"
+    assert (tmp_path / "animals.csv").read_text() == "animals.csv "
+    before = content(tmp_path).keys()
+    write(tmp_path, run="gait", names=names, text="again")  # files of a run are just replaced
+    assert content(tmp_path).keys() == before
+    (tmp_path / "strides.csv").write_text("changed in a spreadsheet")
+    with pytest.warns(InputWarning, match=r"names: strides\.csv as strides\.before\.csv\.$"):
+        write(tmp_path, run="gait", names=names)
+    assert (tmp_path / "strides.before.csv").read_text() == "changed in a spreadsheet"
 
 
 def test_gait_of_other_tracks_or_edits_is_told(tmp_path):
