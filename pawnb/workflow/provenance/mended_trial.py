@@ -19,7 +19,11 @@ from pawnb.errors import InputWarning
 from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, View
-from pawnb.workflow.provenance.record import file_checksum
+from pawnb.workflow.provenance.record import (
+    file_checksum,
+    film_sizes,
+    name_on_record,
+)
 from pawnb.workflow.provenance.results import describe_trial, provenance_steps, results_folder
 
 _EVEN = 1e-3
@@ -105,28 +109,36 @@ def changed_inputs(tracks: Tracks, trial: Trial) -> list[str]:
     ]
 
 
-def _inputs(tracks: Tracks) -> dict[str, Any]:
-    """Return the checksums of what the tracks were made from, by the names in the trial."""
+def _inputs(tracks: Tracks, what: str = "inputs") -> dict[str, Any]:
+    """Return the checksums of what the tracks were made from, by the names in the trial.
+
+    Or what else the record says of each, such as ``film_bytes``.
+    """
     made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    return (made[-1].get("inputs") or {}) if made else {}
+    return (made[-1].get(what) or {}) if made else {}
 
 
 def _replaced_films(tracks: Tracks, trial: Trial) -> list[str]:
     """Name the films that are not those that were tracked.
 
-    Films are large: they are read only where they changed after the tracks were written.
+    Films are large: those of the same size are read only where they changed after the tracks were
+    written. Clocks of two drives may differ, and a study that was copied has lost its times.
     """
     written = results_folder(trial) / "tracks.nc"
     if not written.is_file():
         return []
-    known = _inputs(tracks)
-    films = dict.fromkeys(view.video for view in trial.views if view.video in known)
+    known, sizes = _inputs(tracks), _inputs(tracks, "film_bytes")
+    now = film_sizes(trial)
+    films = {name_on_record(view.video): trial.path(view.video) for view in trial.views}
     return [
-        film
-        for film in films
-        if trial.path(film).exists()
-        and _changed_at(trial.path(film)) > _changed_at(written)
-        and known[film] != file_checksum(trial.path(film))
+        name
+        for name, film in films.items()
+        if name in known
+        and film.exists()
+        and (
+            sizes.get(name, now.get(name)) != now.get(name)
+            or (_changed_at(film) > _changed_at(written) and known[name] != file_checksum(film))
+        )
     ]
 
 

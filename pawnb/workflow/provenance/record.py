@@ -137,9 +137,35 @@ def trial_checksums(trial: Trial, *, start: bool = True) -> dict[str, str]:
     """
     sums = {}
     for path in trial_inputs(trial, start=start):
-        name = Path(path).name if Path(path).is_absolute() else path
-        sums[name] = file_checksum(trial.path(path))
+        sums[name_on_record(path)] = file_checksum(trial.path(path))
     return sums
+
+
+def name_on_record(path: str) -> str:
+    """Return what records call a file that a trial names: no absolute path stands in them."""
+    return Path(path).name if Path(path).is_absolute() else path
+
+
+def film_sizes(trial: Trial) -> dict[str, int]:
+    """Return how many bytes each film of a trial has, by its name there.
+
+    Of films of other sizes it is known without reading them that they are others, whatever clocks
+    say of when they were written.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    dict
+        Bytes by name; views of single pictures are left out.
+    """
+    films = {view.video: trial.path(view.video) for view in trial.views}
+    return {
+        name_on_record(name): film.stat().st_size for name, film in films.items() if film.is_file()
+    }
 
 
 def trial_fingerprint(trial: Trial) -> str:

@@ -15,7 +15,12 @@ from pawnb.trial import Trial
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance.notes import noted_warnings
-from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.provenance.record import (
+    build_step,
+    film_sizes,
+    trial_checksums,
+    trial_fingerprint,
+)
 from pawnb.workflow.tracking.methods import (
     recorded_parameters,
     settings_in_force,
@@ -171,6 +176,7 @@ def record_of_run(
         **recorded_parameters(tracker),
         frames=list(frames),
         trial=trial_fingerprint(trial),
+        film_bytes=film_sizes(trial),
         start=start,
         **more,
     )

@@ -34,7 +34,7 @@ def trial(tmp_path):
     return made
 
 
-def tracked(trial, *, time_s=None):
+def tracked(trial, *, time_s=None, **more):
     tracks = make_tracks(
         range(N), ["FR"], fps=trial.fps, space=("x", "y"), views=["side"], individual="a",
         time_s=time_s,
@@ -44,7 +44,7 @@ def tracked(trial, *, time_s=None):
         tracks[name] = (tracks[name].dims, np.arange(float(np.prod(shape))).reshape(shape),
                         tracks[name].attrs)  # fmt: skip
     tracks = describe_trial(tracks, trial)
-    step = build_step("track", command=None, settings={}, inputs=trial_checksums(trial))
+    step = build_step("track", command=None, settings={}, inputs=trial_checksums(trial), **more)
     return add_provenance(tracks, **step)
 
 
@@ -68,6 +68,34 @@ def test_a_frame_rate_that_was_wrong(trial, given):
     assert tracks.attrs["fps"] == 24.0
     assert '"fps": 24.0' in tracks.attrs["trial"]
     assert tracks.attrs["units"] == "px"
+
+
+def test_a_film_that_was_replaced_is_said_whatever_the_clocks_say(trial, recwarn):
+    """A study that was copied has new times, and the clock of another drive may be behind."""
+    size = (trial.folder / "v.avi").stat().st_size
+    tracks = tracked(trial, film_bytes={"v.avi": size})
+    (trial.folder / "results").mkdir()
+    assert as_described_now(tracks, trial) is tracks
+    (trial.folder / "v.avi").write_bytes(b"quite another film")
+    write_tracks(tracks, trial.folder / "results" / "tracks.nc")  # as the last file that is copied
+    with pytest.warns(InputWarning, match=r"v\.avi was replaced by another film: clicks, tracks"):
+        as_described_now(tracks, trial)
+
+
+def test_a_film_on_another_drive_that_was_replaced_is_said(trial, tmp_path_factory):
+    """Records hold no absolute path: such films were never looked at."""
+    far = tmp_path_factory.mktemp("drive") / "w.avi"
+    far.write_bytes(b"no video")
+    trial = replace(trial, views=(replace(trial.views[0], video=str(far)),))
+    tracks = tracked(trial)
+    written = trial.folder / "results" / "tracks.nc"
+    written.parent.mkdir()
+    write_tracks(tracks, written)
+    far.write_bytes(b"NO VIDEO")
+    later = written.stat().st_mtime + 9
+    os.utime(far, (later, later))
+    with pytest.warns(InputWarning, match=r"w\.avi was replaced by another film: clicks, tracks"):
+        as_described_now(tracks, trial)
 
 
 def test_another_film_of_the_same_name_is_said(trial, recwarn):
