@@ -260,6 +260,7 @@ def _copies_of_own(folder: Path, sums: Mapping[str, str]) -> dict[str, str]:
         name: keep_copy(folder / name, _OWN).relative_to(folder).as_posix()
         for name, sha256 in now.items()
         if sha256 not in (sums[name], listed.get(name, {}).get("sha256"))
+        and (folder / name).stat().st_size  # nothing is lost with an empty one
     }
 
 
