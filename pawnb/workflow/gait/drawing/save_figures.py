@@ -174,7 +174,8 @@ def _laid_out(figure: Figure) -> Iterator[None]:
 @contextmanager
 def _fonts_without_layout() -> Iterator[None]:
     """Embed fonts without their tables of layout; other threads may do so meanwhile."""
-    dropped: list[str] = Options._drop_tables_default
+    # no public name; where it is another one day, saving takes longer
+    dropped: list[str] = getattr(Options, "_drop_tables_default", [])
     dropped.extend(_OF_LAYOUT)
     try:
         yield
