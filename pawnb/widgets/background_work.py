@@ -76,7 +76,7 @@ class BackgroundWork(widgets.HBox):  # type: ignore[misc]
             if then is not None:
                 then()
 
-        self._worker = threading.Thread(target=run, daemon=True)
+        self._worker = threading.Thread(target=run, name="pawnb-work", daemon=True)
         self._worker.start()
 
     def progress(self, done: int, total: int, doing: str = "") -> None:

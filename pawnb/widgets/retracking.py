@@ -252,7 +252,9 @@ class Retracking(TimelineCanvas):
             raise InputError(WAIT)
         self._stop.clear()
         arguments = (frame, learn, stretch)
-        self._worker = threading.Thread(target=self._retrack_now, args=arguments, daemon=True)
+        self._worker = threading.Thread(
+            target=self._retrack_now, args=arguments, name="pawnb-retrack", daemon=True
+        )
         self._worker.start()
 
     def export_film(self, path: str | Path, **options: Any) -> Path:

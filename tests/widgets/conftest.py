@@ -23,7 +23,7 @@ def _threads_end_with_their_test():
         if name not in widgets:
             widget.close()
     for thread in set(threading.enumerate()) - threads:
-        if thread.name.startswith("pawnb-") or thread.daemon:
+        if thread.name.startswith("pawnb-"):
             thread.join(_LONGEST_WAIT_S)
 
 
