@@ -15,7 +15,7 @@ from pathlib import Path
 
 from pawnb.core.closing import Closing
 from pawnb.errors import InputError
-from pawnb.files import check_file, open_growing, write_at
+from pawnb.files import check_file, how_to_write, open_growing, write_at
 
 _RECORD_HEAD = struct.Struct("<II")
 
@@ -120,8 +120,8 @@ class RecordFile(Closing):
             yield
         except OSError as error:
             raise InputError(
-                f"{self.path}: cannot keep here what is done ({error.strerror}); free some space "
-                "or choose another folder for the results."
+                f"{self.path}: cannot keep here what is done ({error.strerror}); "
+                f"{how_to_write(error, elsewhere='another folder for the results')}."
             ) from None
 
 

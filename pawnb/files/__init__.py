@@ -22,6 +22,7 @@ from pawnb.files.reading import (
     read_text,
     read_toml,
 )
+from pawnb.files.refused import how_to_write
 from pawnb.files.whole import (
     is_copy,
     is_leftover,
@@ -44,6 +45,7 @@ __all__ = [
     "child_folder",
     "distinct_name",
     "find_standing_folder",
+    "how_to_write",
     "is_copy",
     "is_leftover",
     "keep_copy",

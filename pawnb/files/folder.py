@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pawnb.errors import InputError
+from pawnb.files.refused import how_to_write
 from pawnb.files.whole import (
     force_to_disk,
     move_over,
@@ -19,15 +20,15 @@ from pawnb.files.whole import (
 
 
 @contextmanager
-def staged(folder: Path, *, remedy: str) -> Iterator[Path]:
+def staged(folder: Path, *, elsewhere: str) -> Iterator[Path]:
     """Give a place for files that shall be in a folder later; call it while that is locked.
 
     Parameters
     ----------
     folder : Path
         The folder; what killed runs have left there is removed.
-    remedy : str
-        What a person can do where nothing can be written there, as the end of a sentence.
+    elsewhere : str
+        Where a person can have them where nothing can be written there.
 
     Yields
     ------
@@ -46,7 +47,8 @@ def staged(folder: Path, *, remedy: str) -> Iterator[Path]:
         yield staging
     except OSError as error:
         raise InputError(
-            f"{folder}: cannot be written ({error.strerror or error}); {remedy}."
+            f"{folder}: cannot be written ({error.strerror or error}); "
+            f"{how_to_write(error, elsewhere=elsewhere)}."
         ) from None
     except InputError as error:
         if str(staging) not in str(error):

@@ -15,6 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from pawnb.errors import BusyError, InputError
+from pawnb.files.refused import how_to_write
 
 # what file systems without locks answer; filelock itself knows ENOSYS
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL)
@@ -67,8 +68,7 @@ def locked(path: str | Path, *, remedy: str, wait_s: float = 0.0) -> Iterator[No
     except OSError as error:
         if error.errno not in _NO_LOCKS:
             raise InputError(
-                f"{path}: cannot be written ({error.strerror or error}); free some space or "
-                "choose another place."
+                f"{path}: cannot be written ({error.strerror or error}); {how_to_write(error)}."
             ) from None
     # a lock that is but a file says itself whose it is, and is broken where it says anything else
     first = lock.lock_counter == 1 and not isinstance(lock, filelock.SoftFileLock)

@@ -11,6 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from pawnb.errors import InputError
+from pawnb.files.refused import how_to_write
 
 _LEFTOVER = ".pawnb-*.part*"
 
@@ -214,13 +215,7 @@ def _said_in_a_sentence(path: Path) -> Iterator[None]:
     """Say in one sentence that a file cannot be written."""
     try:
         yield
-    except PermissionError as error:
-        raise InputError(
-            f"{path}: cannot be written ({error.strerror or error}); close it in other programs, "
-            "such as a spreadsheet, or choose another place."
-        ) from None
     except OSError as error:
         raise InputError(
-            f"{path}: cannot be written ({error.strerror or error}); free some space or choose "
-            "another place."
+            f"{path}: cannot be written ({error.strerror or error}); {how_to_write(error)}."
         ) from None

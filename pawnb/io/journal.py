@@ -19,6 +19,7 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.files import (
     check_file,
     find_standing_folder,
+    how_to_write,
     locked,
     open_growing,
     read_bytes,
@@ -233,7 +234,7 @@ class Journal(Generic[RecordT]):
         except OSError as error:
             raise InputError(
                 f"{self.path}: cannot be written ({error.strerror}), so this correction was not "
-                "made; free some space or choose another place for the edits."
+                f"made; {how_to_write(error, elsewhere='another place for the edits')}."
             ) from None
         self.entries.append(entry)
 

@@ -102,8 +102,7 @@ def writing_results(
         If another run writes there, or a file cannot be written.
     """
     folder = Path(folder)
-    remedy = "free some space or choose another folder with --out"
-    with run_alone(folder), staged(folder, remedy=remedy) as staging:
+    with run_alone(folder), staged(folder, elsewhere="another folder with --out") as staging:
         yield staging
         _move_in(folder, staging, run, steps)
 
