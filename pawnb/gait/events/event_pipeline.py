@@ -22,12 +22,12 @@ from pawnb.gait.events.extremes import Extreme, Rejected, find_extremes
 from pawnb.gait.events.ground_contact import Contact, find_contacts, measure_height
 from pawnb.gait.locomotion.body import BodyPoints, find_body
 from pawnb.gait.locomotion.direction import find_up
+from pawnb.gait.locomotion.displacement import displacement_along, measure_motion
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
 from pawnb.gait.locomotion.jitter import say_jitter
 from pawnb.gait.locomotion.substrate import find_belt_speed, speed_over_substrate
 from pawnb.gait.locomotion.time_scales import Scales, least_excursions, say_held_still
-from pawnb.gait.locomotion.ways import measure_motion, ways_along
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import along
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
@@ -109,30 +109,30 @@ def analyse_space(
         feet, fs, trial=trial, belt=belt, body=body, others=others, forward=forward,
         settings=settings,
     )  # fmt: skip
-    frame, scales, notes = found_body.frame, found_body.scales, found_body.notes
+    frame, scales, treadmill = found_body.frame, found_body.scales, found_body.treadmill
     max_gap = round(scales.max_gap_s * fs)
     smooth = partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
     raw = frame.fore_aft(feet.positions)
-    position, ways = smooth(raw), ways_along(smooth(feet.positions), frame.forward)
+    position, displacement = smooth(raw), displacement_along(smooth(feet.positions), frame.forward)
     turning, how = position, f"fore-aft position ({frame.method})"
     if feet.angle_deg is not None:
         turning, how = smooth(feet.angle_deg), "leg angle"
     extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, found_body.standing)
-    velocity = differentiate(ways, dt=1.0 / fs)
-    treadmill = found_body.treadmill
+    velocity = differentiate(displacement, dt=1.0 / fs)
     belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
-    notes += [*say_held_still(feet, turning, settings), *say_jitter(feet, raw, extremes), *said]
-    motion = measure_motion(feet, frame, ways=ways, fore_aft=position, belt=belt_here, grid=grid)
+    said = [*say_held_still(feet, turning, settings), *say_jitter(feet, raw, extremes), *said]
+    motion = measure_motion(
+        feet, frame, displacement=displacement, fore_aft=position, belt=belt_here, grid=grid
+    )
     height = _height(feet, up, smooth) if settings.use_height else None
-    across = None
-    if up is not None or found_body.from_points:
-        across = smooth(frame.lateral(feet.positions, up=up))
+    has_sides = up is not None or found_body.from_points
+    across = smooth(frame.lateral(feet.positions, up=up)) if has_sides else None
     found = {
         LEG_ANGLE: None if feet.angle_deg is None else turning,
         POSITION: position, HEIGHT: height, LATERAL: across,
     }  # fmt: skip
     result = SpaceResult(
-        events=[], dropped=[], gaps=[], motion=motion, notes=notes,
+        events=[], dropped=[], gaps=[], motion=motion, notes=found_body.notes + said,
         signals=_leg_signals(found, feet, grid, who),
     )  # fmt: skip
     is_guessed = treadmill and belt_here is not belt

@@ -47,9 +47,9 @@ _CARRIED = 0.5
 belt, 0 on the ground, and below that where an ankle is tracked, which goes on with the body."""
 
 _ROAMS = 4.0
-"""Width of a path in distances of the feet from the body (by hand): a mouse in an open field has
-9.5, a made insect on a circle of 10 mm 10. A belt is as wide as a few animals, which keep straight.
-"""
+"""Width of a path in distances of the feet from the body (by hand). Measured: a mouse in an open
+field 9.7, a made insect on a circle of 10 mm 10; four rats on a belt 0.00 to 0.19, a fly on a ball
+0.10."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -14,7 +14,7 @@ from pawnb.core.pixels.grey import has_colour
 from pawnb.core.video import Frame, ViewReader, ViewSet, open_views
 from pawnb.core.video.doubts.interlaced import HOW_TO_MEND, looks_interlaced
 from pawnb.core.video.doubts.one_film import tell_same_films
-from pawnb.core.video.doubts.repeated import stalls_of_views, tell_repeats, tell_stalls
+from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes, tell_repeats
 from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
@@ -237,8 +237,8 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
                 report.doubts += doubt_synchronisation(trial, views, start=first, stop=stop)
                 report.doubts += _doubt_weave(trial, views, first, stop)
                 report.doubts += tell_repeats(trial, views, start=first, stop=stop)
-                report.doubts += tell_stalls(
-                    views, stalls_of_views(trial, views, start=first, stop=stop)
+                report.doubts += tell_freezes(
+                    views, freezes_of_views(trial, views, start=first, stop=stop)
                 )
             except PawnbError as error:
                 report.faults.append(str(error))

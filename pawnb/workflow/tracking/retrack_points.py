@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.arrays import IntArray
+from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
@@ -20,10 +21,9 @@ from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
-from pawnb.core.paws.stalled_labels import without_stalled
 from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.repeated import stalls_of_views
+from pawnb.core.video.doubts.repeated import freezes_of_views
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, add_provenance
 from pawnb.trial import Trial
@@ -106,10 +106,10 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         )  # fmt: skip
         corrected = Correction(learnt, **given)
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
-        stalls = stalls_of_views(trial, views, start=span[0], stop=span[1])
+        freezes = freezes_of_views(trial, views, start=span[0], stop=span[1])
         tolerance = {name: _tolerance_px(reader.width) for name, reader in views.readers.items()}
     # an animal that was renamed in trial.toml is still that of these tracks
-    new = in_real_units(without_stalled(new, stalls), trial, units="px").assign_coords(
+    new = in_real_units(without_frozen(new, freezes), trial, units="px").assign_coords(
         individual=tracks["individual"]
     )
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:

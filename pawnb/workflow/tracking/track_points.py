@@ -9,14 +9,14 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.core.paws.frozen_labels import Freezes, without_frozen
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
-from pawnb.core.paws.stalled_labels import Stalls, without_stalled
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.repeated import stalls_of_views, tell_stalls
+from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
 from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks, add_provenance
@@ -79,7 +79,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
         doubts = tell_one_place(clicks)
         doubts += [] if rig is None else _doubt_clicks(rig, clicks)
-        stalls = _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
+        freezes = _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:
             _refuse_more_frames(clicks, asked.method)
@@ -111,7 +111,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
         tell_unused(trial, tracks, clicks)
-        tracks = without_stalled(add_likeness(views, tracks, clicks), stalls)
+        tracks = without_frozen(add_likeness(views, tracks, clicks), freezes)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig)
@@ -126,15 +126,15 @@ def _doubt_clicks(rig: Rig, clicks: pd.DataFrame) -> list[str]:
 
 def _tell_doubts(
     trial: Trial, views: ViewSet, doubts: list[str], frames: tuple[int, int], *, quick: bool
-) -> Stalls:
+) -> Freezes:
     """Warn of what looks wrong in clicks and films, and return where films stand still."""
-    stalls = stalls_of_views(trial, views, start=frames[0], stop=frames[1])
-    doubts = [*doubts, *tell_stalls(views, stalls)]
+    freezes = freezes_of_views(trial, views, start=frames[0], stop=frames[1])
+    doubts = [*doubts, *tell_freezes(views, freezes)]
     if not quick and may_be_unsynchronised(trial, views):
         doubts = [*doubts, *doubt_synchronisation(trial, views, start=frames[0], stop=frames[1])]
     for doubt in doubts:
         warn_of_input(f"{doubt}.", InputWarning, stacklevel=3)
-    return stalls
+    return freezes
 
 
 def _described(tracks: Tracks, trial: Trial, run: OpenedRun, *, earlier: Tracks | None) -> Tracks:

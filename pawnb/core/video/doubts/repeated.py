@@ -1,7 +1,8 @@
-"""Whether a film shows a picture again where the animal went on: stalls, and films doubled.
+"""Whether a film shows a picture again where the animal went on: freezes, and films doubled.
 
 A camera or a program that copies a film and cannot keep up writes the last picture again. Time
-stamps say nothing of it, and a tracker finds every point where it was.
+stamps say nothing of it, and a tracker finds every point where it was. The name is that of
+FFmpeg's filter ``freezedetect``.
 """
 
 from __future__ import annotations
@@ -26,11 +27,11 @@ _CHANGE_NEAR_PX = 5
 """Change is the largest mean, over so many px either way, of the absolute difference in grey."""
 _SHOWN_AGAIN, _MOST_AGAIN, _WENT_ON = 0.1, 0.35, 0.6
 """Change from picture to picture over what is usual in the film: the median and the most in a
-stall, and the least right before and after it: an animal that rests goes slowly into it. Chosen and
-measured on the same real clips (mice, horse, dog, camel; Motion JPEG and H.264 of crf 18 to 35): in
-films as they are the least is 0.11; in eight copies in a row the median is 0.00 to 0.07 up to crf
-28 (0.13 at 35) and the most 0.14 (0.23), and 28 of 30 such stalls are found, none where there is
-none."""
+freeze, and the least right before and after it: an animal that rests goes slowly into it. Chosen
+and measured on the same real clips (mice, horse, dog, camel; Motion JPEG and H.264 of crf 18 to
+35): in films as they are the least is 0.11; in eight copies in a row the median is 0.00 to 0.07 up
+to crf 28 (0.13 at 35) and the most 0.14 (0.23), and 28 of 30 such freezes are found, none where
+there is none."""
 _SMALL = 0.5
 """A picture that is shown again takes fewer bytes than so many times the usual in films that code
 differences. Measured on the same: 0.01 to 0.4 up to crf 35, but 0.64 at crf 28 where a mouse hardly
@@ -40,14 +41,14 @@ _PAIRS = 16
 _STRETCHES, _STRETCH = (0.25, 0.5, 0.75), 24
 """Where in a film, and over how many changes, it is asked whether pictures repeat regularly."""
 _LONGEST_CYCLE = 6
-_MOST_STALLS_TOLD = 3
-"""Stalls that are named, so that a sentence stays one."""
+_MOST_FREEZES_TOLD = 3
+"""Freezes that are named, so that a sentence stays one."""
 _AGAIN_IN_CYCLE = 0.3
 """Change at one place of the cycle over the median of the others, in each stretch. Measured on the
 same, doubled: 0.00 to 0.22 up to crf 28, 0.35 at crf 35; as they are, 0.85 and more."""
 
 
-def find_stalls(source: Source, start: int, stop: int) -> list[tuple[int, int]]:
+def find_freezes(source: Source, start: int, stop: int) -> list[tuple[int, int]]:
     """Find where a film shows one picture again though the animal went on.
 
     Parameters
@@ -70,10 +71,10 @@ def find_stalls(source: Source, start: int, stop: int) -> list[tuple[int, int]]:
     usual = _usual_change(source, start, stop)
     if not usual > 0.0:
         return []
-    return [stall for run in runs for stall in _stalls_in(source, run, (start, stop), usual)]
+    return [freeze for run in runs for freeze in _freezes_in(source, run, (start, stop), usual)]
 
 
-def stalls_of_views(
+def freezes_of_views(
     trial: Trial, views: ViewSet, *, start: int, stop: int
 ) -> dict[str, list[tuple[int, int]]]:
     """Find where the films of views stand still; a film of several views is looked at once.
@@ -98,35 +99,35 @@ def stalls_of_views(
         offset = trial.view(name).offset
         key = (trial.view(name).video, offset)
         if key not in of_files:
-            stalls = find_stalls(reader.source, start + offset, stop + offset)
-            of_files[key] = [(a - offset, b - offset) for a, b in stalls]
+            freezes = find_freezes(reader.source, start + offset, stop + offset)
+            of_files[key] = [(a - offset, b - offset) for a, b in freezes]
         if of_files[key]:
             found[name] = of_files[key]
     return found
 
 
-def tell_stalls(views: ViewSet, stalls: Mapping[str, Sequence[tuple[int, int]]]) -> list[str]:
+def tell_freezes(views: ViewSet, freezes: Mapping[str, Sequence[tuple[int, int]]]) -> list[str]:
     """Say where films stand still, once a film.
 
     Parameters
     ----------
     views : ViewSet
         The open views.
-    stalls : mapping
-        As from :func:`stalls_of_views`.
+    freezes : mapping
+        As from :func:`freezes_of_views`.
 
     Returns
     -------
     list of str
         A sentence a film.
     """
-    of_files = {views.readers[name].source.name: own for name, own in stalls.items()}
+    of_files = {views.readers[name].source.name: own for name, own in freezes.items()}
     said = []
     for file, own in of_files.items():
-        places = ", ".join(f"{a} to {b - 1}" for a, b in own[:_MOST_STALLS_TOLD])
+        places = ", ".join(f"{a} to {b - 1}" for a, b in own[:_MOST_FREEZES_TOLD])
         more = (
-            f" and {len(own) - _MOST_STALLS_TOLD} more times"
-            if len(own) > _MOST_STALLS_TOLD
+            f" and {len(own) - _MOST_FREEZES_TOLD} more times"
+            if len(own) > _MOST_FREEZES_TOLD
             else ""
         )
         said.append(
@@ -144,7 +145,7 @@ def tell_repeats(trial: Trial, views: ViewSet, *, start: int, stop: int) -> list
     Parameters
     ----------
     trial, views, start, stop
-        As for :func:`stalls_of_views`.
+        As for :func:`freezes_of_views`.
 
     Returns
     -------
@@ -174,7 +175,7 @@ def repeats_every(source: Source, start: int, stop: int) -> int | None:
     Parameters
     ----------
     source, start, stop
-        As for :func:`find_stalls`.
+        As for :func:`find_freezes`.
 
     Returns
     -------
@@ -231,10 +232,10 @@ def _joined(runs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
     return joined
 
 
-def _stalls_in(
+def _freezes_in(
     source: Source, run: tuple[int, int], frames: tuple[int, int], usual: float
 ) -> list[tuple[int, int]]:
-    """Return the stalls among frames that may repeat; those at the ends of a film tell nothing."""
+    """Return the freezes among frames that may repeat; those at the ends of a film tell nothing."""
     first, last = max(run[0] - FEWEST_REPEATED, frames[0]), min(run[1] + FEWEST_REPEATED, frames[1])
     share = _changes(source, range(first, last)) / usual
     found = []

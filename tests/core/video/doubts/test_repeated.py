@@ -10,18 +10,18 @@ import pytest
 
 from pawnb.core.video import open_views
 from pawnb.core.video.doubts.repeated import (
-    find_stalls,
+    find_freezes,
+    freezes_of_views,
     repeats_every,
-    stalls_of_views,
+    tell_freezes,
     tell_repeats,
-    tell_stalls,
 )
 from pawnb.core.video.file import VideoFile
 from pawnb.synthetic.colour_video import H264VideoWriter, JpegVideoWriter
 from pawnb.trial import Animal, Trial, View
 
 N = 90
-STALLED = [*range(40), *[39] * 8, *range(48, N)]
+FROZEN = [*range(40), *[39] * 8, *range(48, N)]
 TWICE = [k for k in range(N) for _ in (0, 1)]
 AS_TELEVISION = [k for k in range(N) for _ in range(2 if k % 4 == 3 else 1)]
 
@@ -56,30 +56,30 @@ def write(path, pictures, order, *, crf=None):
 @pytest.mark.parametrize("crf", [None, 23])
 def test_a_film_that_stands_still_while_the_animal_goes_on_is_found(tmp_path, crf):
     path = tmp_path / ("film.avi" if crf is None else "film.mp4")
-    film = VideoFile(write(path, walking(), STALLED, crf=crf))
-    assert find_stalls(film, 0, film.n_frames) == [(40, 48)]
-    assert find_stalls(film, 60, film.n_frames) == []
+    film = VideoFile(write(path, walking(), FROZEN, crf=crf))
+    assert find_freezes(film, 0, film.n_frames) == [(40, 48)]
+    assert find_freezes(film, 60, film.n_frames) == []
     assert repeats_every(film, 0, film.n_frames) is None
 
 
 def test_a_film_as_it_is_and_an_animal_that_slows_down_and_rests_are_not_told(tmp_path):
     film = VideoFile(write(tmp_path / "film.avi", walking(), range(N)))
-    assert find_stalls(film, 0, N) == []
+    assert find_freezes(film, 0, N) == []
     assert repeats_every(film, 0, N) is None
     # it stops for good: nothing is shown that went on meanwhile
     film = VideoFile(write(tmp_path / "rest.avi", walking(rests=range(60, N)), range(N)))
-    assert find_stalls(film, 0, N) == []
+    assert find_freezes(film, 0, N) == []
 
 
 @pytest.mark.parametrize(("order", "cycle"), [(TWICE, 2), (AS_TELEVISION, 5)])
 def test_a_film_that_was_saved_at_another_rate_is_found(tmp_path, order, cycle):
     film = VideoFile(write(tmp_path / "film.avi", walking(), order))
     assert repeats_every(film, 0, film.n_frames) == cycle
-    assert find_stalls(film, 0, film.n_frames) == []
+    assert find_freezes(film, 0, film.n_frames) == []
 
 
 def test_it_is_said_once_a_film_in_frames_of_the_trial(tmp_path):
-    write(tmp_path / "film.avi", walking(), STALLED)
+    write(tmp_path / "film.avi", walking(), FROZEN)
     views = tuple(
         View(name=name, video="film.avi", points=("a",), crop=crop, offset=10)
         for name, crop in (("left", (0, 0, 120, 96)), ("right", (120, 0, 240, 96)))
@@ -88,9 +88,9 @@ def test_it_is_said_once_a_film_in_frames_of_the_trial(tmp_path):
         kind="paws", name="t", fps=60.0, animal=Animal(id="a"), folder=tmp_path, views=views
     )
     with open_views(trial) as opened:
-        stalls = stalls_of_views(trial, opened, start=0, stop=80)
-        assert stalls == {"left": [(30, 38)], "right": [(30, 38)]}
-        (said,) = tell_stalls(opened, stalls)
+        freezes = freezes_of_views(trial, opened, start=0, stop=80)
+        assert freezes == {"left": [(30, 38)], "right": [(30, 38)]}
+        (said,) = tell_freezes(opened, freezes)
         assert "stands still in frames 30 to 37: " in said
         assert tell_repeats(trial, opened, start=0, stop=80) == []
 
@@ -114,7 +114,7 @@ def test_real_films_as_they_are_neither_stand_still_nor_repeat(real_data):
     for path in films:
         film = VideoFile(path)
         stop = min(film.n_frames, 400)
-        assert (find_stalls(film, 0, stop), repeats_every(film, 0, stop)) == ([], None), path
+        assert (find_freezes(film, 0, stop), repeats_every(film, 0, stop)) == ([], None), path
 
 
 @pytest.mark.slow
@@ -123,7 +123,7 @@ def test_a_real_film_that_was_doubled_or_stood_still_is_found(tmp_path, real_dat
     with av.open(str(path)) as container:
         frames = itertools.islice(container.decode(video=0), 85, 85 + N)
         pictures = [frame.to_ndarray(format="rgb24") for frame in frames]
-    film = VideoFile(write(tmp_path / "stalled.mp4", pictures, STALLED, crf=28))
-    assert find_stalls(film, 0, N) == [(40, 48)]
+    film = VideoFile(write(tmp_path / "frozen.mp4", pictures, FROZEN, crf=28))
+    assert find_freezes(film, 0, N) == [(40, 48)]
     film = VideoFile(write(tmp_path / "twice.mp4", pictures, TWICE, crf=28))
     assert repeats_every(film, 0, 2 * N) == 2

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
-from pawnb.core.paws.stalled_labels import without_stalled
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.reviewing.quality import assess_quality
 
@@ -24,16 +24,16 @@ def measured_tracks():
     return tracks
 
 
-def test_labels_in_a_stall_are_predicted_without_confidence_but_what_a_person_placed():
+def test_labels_in_a_freeze_are_predicted_without_confidence_but_what_a_person_placed():
     tracks = measured_tracks()
     tracks["image_origin"][12, 0, 1] = EDITED
-    found = without_stalled(tracks, {"left": [(110, 114)]})
-    stalled = found["image_origin"].to_numpy()[..., 0] == PREDICTED
-    assert stalled[10:14, 0, 0].all()
-    assert stalled[10:14, 0, 1].tolist() == [True, True, False, True]
-    assert stalled.sum() == 7
-    assert (found["image_confidence"].to_numpy()[..., 0][stalled] == 0.0).all()
-    assert (found["image_confidence"].to_numpy()[..., 0][~stalled] == 0.97).all()
+    found = without_frozen(tracks, {"left": [(110, 114)]})
+    frozen = found["image_origin"].to_numpy()[..., 0] == PREDICTED
+    assert frozen[10:14, 0, 0].all()
+    assert frozen[10:14, 0, 1].tolist() == [True, True, False, True]
+    assert frozen.sum() == 7
+    assert (found["image_confidence"].to_numpy()[..., 0][frozen] == 0.0).all()
+    assert (found["image_confidence"].to_numpy()[..., 0][~frozen] == 0.97).all()
     # the other view has measured them: places in space stand
     assert (found["origin"] == MEASURED).all()
     assert found["image_position"].equals(tracks["image_position"])
@@ -41,7 +41,7 @@ def test_labels_in_a_stall_are_predicted_without_confidence_but_what_a_person_pl
 
 def test_places_in_space_are_predicted_where_every_film_stood_still_and_the_verdict_falls():
     tracks = measured_tracks()
-    found = without_stalled(tracks, {"left": [(105, 115)], "right": [(108, 115)]})
+    found = without_frozen(tracks, {"left": [(105, 115)], "right": [(108, 115)]})
     in_space = (found["origin"] == PREDICTED).to_numpy()[:, 0, 0]
     assert np.flatnonzero(in_space).tolist() == list(range(8, 15))
     assert (found["confidence"].to_numpy()[in_space] == 0.0).all()
@@ -52,7 +52,7 @@ def test_places_in_space_are_predicted_where_every_film_stood_still_and_the_verd
     assert [round(point.measured, 3) for point in worse.points] == [0.575, 0.575]
 
 
-def test_without_a_stall_tracks_stay_the_same():
+def test_without_a_freeze_tracks_stay_the_same():
     tracks = measured_tracks()
-    assert without_stalled(tracks, {}) is tracks
-    assert without_stalled(tracks, {"left": [(0, 20)]}) is tracks
+    assert without_frozen(tracks, {}) is tracks
+    assert without_frozen(tracks, {"left": [(0, 20)]}) is tracks

@@ -8,18 +8,18 @@ import numpy as np
 
 from pawnb.schema import ORIGIN_CODE, Tracks
 
-Stalls = Mapping[str, Sequence[tuple[int, int]]]
+Freezes = Mapping[str, Sequence[tuple[int, int]]]
 """View to half-open ranges of frames of the trial in which its film shows one picture again."""
 
 
-def without_stalled(tracks: Tracks, stalls: Stalls) -> Tracks:
-    """Return tracks whose labels in stalls count as predicted, without any confidence.
+def without_frozen(tracks: Tracks, freezes: Freezes) -> Tracks:
+    """Return tracks whose labels in freezes count as predicted, without any confidence.
 
     Parameters
     ----------
     tracks : xarray.Dataset
         Tracks.
-    stalls : mapping
+    freezes : mapping
         Where the film of each view stood still.
 
     Returns
@@ -29,15 +29,15 @@ def without_stalled(tracks: Tracks, stalls: Stalls) -> Tracks:
         is predicted where no view has measured it.
     """
     frames = tracks["frame"].to_numpy()
-    stalled = np.zeros((tracks.sizes["time"], tracks.sizes["view"]), bool)
+    frozen = np.zeros((tracks.sizes["time"], tracks.sizes["view"]), bool)
     for v, name in enumerate(tracks["view"].to_numpy()):
-        for first, stop in stalls.get(str(name), ()):
-            stalled[:, v] |= (frames >= first) & (frames < stop)
-    if not stalled.any():
+        for first, stop in freezes.get(str(name), ()):
+            frozen[:, v] |= (frames >= first) & (frames < stop)
+    if not frozen.any():
         return tracks
     measured, predicted = ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"]
     origin, confidence = tracks["image_origin"], tracks["image_confidence"]
-    hit = stalled[..., None, None] & np.isin(origin, (measured, predicted))
+    hit = frozen[..., None, None] & np.isin(origin, (measured, predicted))
     sure = np.isin(np.where(hit, predicted, origin), (measured, ORIGIN_CODE["edited"])).any(axis=1)
     in_space = hit.any(axis=1) & ~sure & (tracks["origin"].to_numpy() == measured)
     return tracks.assign(

@@ -1,4 +1,4 @@
-"""The ways of body and feet over what they stand on, along a heading that may turn."""
+"""The displacement of body and feet over what they stand on, along a heading that may turn."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import BodyFrame
 
 
-def ways_along(positions: FloatArray, forward: FloatArray) -> FloatArray:
+def displacement_along(positions: FloatArray, forward: FloatArray) -> FloatArray:
     """Sum up how far each foot has come along forward, from sample to sample.
 
     Of a heading that turns, the position along it changes with every turn, the more the further
@@ -32,21 +32,21 @@ def ways_along(positions: FloatArray, forward: FloatArray) -> FloatArray:
     """
     headed = np.isfinite(forward).all(axis=1, keepdims=True)
     known: BoolArray = np.asarray(np.isfinite(positions).all(axis=1) & headed)
-    ways = np.full(known.shape, np.nan)
+    displacement = np.full(known.shape, np.nan)
     for foot in range(known.shape[1]):
         rows = np.flatnonzero(known[:, foot])
         steps = np.diff(positions[rows, :, foot], axis=0)
         between = (forward[rows[1:]] + forward[rows[:-1]]) / 2.0
         gone = np.cumsum(np.einsum("nd,nd->n", steps, between))
-        ways[rows, foot] = np.concatenate(([0.0], gone))[: len(rows)]
-    return ways
+        displacement[rows, foot] = np.concatenate(([0.0], gone))[: len(rows)]
+    return displacement
 
 
 def measure_motion(
     feet: FootPaths,
     frame: BodyFrame,
     *,
-    ways: FloatArray,
+    displacement: FloatArray,
     fore_aft: FloatArray,
     belt: FloatArray | None,
     grid: Grid,
@@ -59,7 +59,7 @@ def measure_motion(
         The feet.
     frame : BodyFrame
         Path and heading of the body.
-    ways : ndarray, shape (n, k)
+    displacement : ndarray, shape (n, k)
         How far each foot has come along forward, in the laboratory.
     fore_aft : ndarray, shape (n, k)
         Positions of the feet along forward in the body's frame.
@@ -75,7 +75,7 @@ def measure_motion(
     """
     steps = np.einsum("nd,nd->n", np.diff(frame.path, axis=0), frame.forward[:-1])
     if belt is None:
-        unknown = np.full(len(ways), np.nan)
+        unknown = np.full(len(displacement), np.nan)
         return Motion(time_s=grid.time_s, body=unknown)
     rolled = np.concatenate(([0.0], np.cumsum((belt[1:] + belt[:-1]) / 2.0) / grid.fs_hz))
     known = np.isfinite(frame.path).all(axis=1)
@@ -85,7 +85,7 @@ def measure_motion(
         time_s=grid.time_s,
         heading_deg=_heading_deg(frame.forward),
         body=np.where(known, body, np.nan),
-        feet={leg: ways[:, k] + rolled for k, leg in enumerate(feet.legs)},
+        feet={leg: displacement[:, k] + rolled for k, leg in enumerate(feet.legs)},
         places={leg: ahead + fore_aft[:, k] for k, leg in enumerate(feet.legs)},
     )
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.gait import analyse
-from pawnb.gait.locomotion.ways import ways_along
+from pawnb.gait.locomotion.displacement import displacement_along
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 FS, PERIOD_S, DUTY, SPEED, TURN = 200.0, 1 / 6, 0.6, 12.0, 1.2
@@ -71,5 +71,5 @@ def test_ways_are_positions_along_a_heading_that_stays_and_gaps_stay_gaps():
     t = np.arange(6.0)
     positions = (np.array([3.0, 4.0])[None, :] * t[:, None] + 7.0)[:, :, None]
     positions[3] = np.nan
-    ways = ways_along(positions, np.tile([0.6, 0.8], (6, 1)))[:, 0]
-    np.testing.assert_allclose(ways, [0.0, 5.0, 10.0, np.nan, 20.0, 25.0])
+    displacement = displacement_along(positions, np.tile([0.6, 0.8], (6, 1)))[:, 0]
+    np.testing.assert_allclose(displacement, [0.0, 5.0, 10.0, np.nan, 20.0, 25.0])
