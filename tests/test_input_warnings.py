@@ -70,14 +70,14 @@ def test_warnings_of_a_library_are_hidden_and_no_others():
 def test_every_warning_is_said_where_a_run_hears_it():
     """And no block changes filters for a while: they are those of all threads."""
     asked = ("warnings.warn", "warnings.catch_warnings")
+    written = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     users = [
         path.relative_to(PACKAGE).as_posix()
-        for path in PACKAGE.rglob("*.py")
-        if any(
-            isinstance(node, ast.Attribute)
-            and node.attr in ("warn", "catch_warnings")
-            and ast.unparse(node) in asked
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        for path, code in written.items()
+        if any(name in code for name in asked)  # a hundred times faster than to parse all
+        and any(
+            isinstance(node, ast.Attribute) and ast.unparse(node) in asked
+            for node in ast.walk(ast.parse(code))
         )
     ]
     assert users == ["input_warnings.py"]

@@ -51,6 +51,7 @@ def test_the_frame_named_beside_all_and_the_best():
     assert table.tolist() == ["50", "83", "80", "93"]
 
 
+@pytest.mark.slow
 def test_scores_know_what_was_clicked(tmp_path):
     from second_click import known_before
 

@@ -87,6 +87,7 @@ def test_bad_input_is_refused():
         build_summary_page_table(tables().strides, animal="x")
 
 
+@pytest.mark.slow
 def test_every_note_stands_below_on_a_page_as_long_as_they_need():
     made = tables()
     table = build_summary_page_table(made.strides, animal="a")

@@ -140,6 +140,7 @@ def held_for(times, monkeypatch, *, winerror):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="there winerror is part of every error")
+@pytest.mark.slow
 def test_who_holds_a_file_for_a_moment_is_waited_for_on_windows(tmp_path, monkeypatch):
     path = write_whole(tmp_path / "a.csv", b"old")
     with monkeypatch.context() as patch:

@@ -85,6 +85,7 @@ def test_landings_of_a_real_mouse_on_the_ground(real_data):
     assert tables.strides["period_s"].max() < 0.6
 
 
+@pytest.mark.slow
 def test_known_gait_of_real_rats(real_data):
     # trials at about 0.28 m/s; rats trot or walk there: a few strides a second, duty factor
     # between 0.5 and 0.8, left and right half a cycle apart, diagonal feet nearly together

@@ -253,6 +253,7 @@ def test_the_line_follows_the_pointer_and_goes_back_where_it_cannot_stay(tables)
 
 
 @pytest.mark.filterwarnings(FROM_IPYMPL)
+@pytest.mark.slow
 def test_plots_are_not_shown_while_they_are_drawn_anew(tables, monkeypatch):
     """The canvas draws in another thread of the kernel than a change of the page's theme."""
     from pawnb.widgets.gait_explorer import GaitExplorer

@@ -91,6 +91,7 @@ def test_accepting_keeps_the_pose_as_certain(reviewer, tracks):
     np.testing.assert_allclose(tip(reviewer, 13), kept, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_tracking_again_saving_and_opening_again(reviewer, rendered_spider, tracks, tmp_path):
     drag(reviewer, 17)
     before = reviewer.tracks["heading"].to_numpy()[8, 0]

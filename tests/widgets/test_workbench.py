@@ -131,6 +131,7 @@ def test_the_canvas_shows_what_is_kept(bare):
     canvas.close()
 
 
+@pytest.mark.slow
 def test_the_list_follows_what_is_clicked_and_saved(described, opened):
     def row():
         cells = bench._list.children[0].children[8:]
@@ -258,6 +259,7 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
 
 
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
+@pytest.mark.slow
 def test_results_say_what_a_reader_must_know_and_are_old_once_events_are_corrected(
     described, opened
 ):

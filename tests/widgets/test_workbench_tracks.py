@@ -54,6 +54,7 @@ def correct(bench, frame, u, v):
 
 
 @pytest.mark.parametrize("name", ["dlc_single.csv", "sleap.analysis.h5"])
+@pytest.mark.slow
 def test_tracks_of_other_programs_lead_to_their_gait(real_data, tmp_path, opened, name):
     """Phases of the file's formula: FL is 3 rad before FR in a cycle."""
     shutil.copy(real_data("peer-files") / name, tmp_path)
@@ -143,6 +144,7 @@ def test_one_file_of_each_recording_is_chosen(real_data, tmp_path, opened):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_tracks_of_other_programs_are_corrected_on_their_film_before_the_gait(
     real_data, tmp_path, opened
 ):
@@ -195,6 +197,7 @@ VIEWS = '[[views]]\nname = "side"\nvideo = "{}"\n'
 
 
 @pytest.mark.parametrize("views", ["", VIEWS.format("film.avi")])
+@pytest.mark.slow
 def test_a_trial_of_tracks_is_reviewed_on_its_film_and_goes_on_with_the_corrected_file(
     real_data, tmp_path, opened, views
 ):

@@ -129,6 +129,7 @@ def test_a_caller_is_told_in_words_what_is_waited_for():
     ]
 
 
+@pytest.mark.slow
 def test_a_caller_that_takes_numbers_only_is_told_numbers_only():
     told = []
 

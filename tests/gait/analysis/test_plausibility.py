@@ -182,6 +182,7 @@ def test_enough_frames_need_no_word_on_contact():
     assert not any("strides have" in n for n in tables.notes)
 
 
+@pytest.mark.slow
 def test_split_belts_are_said_and_each_side_by_itself_has_the_speed_of_its_belt():
     # as in studies of locomotor adaptation: one belt twice as fast as the other
     fast = Walk(speed=400.0, duty=0.55).tracks(noise=0.2)

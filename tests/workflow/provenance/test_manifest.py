@@ -159,6 +159,7 @@ def test_gait_of_other_tracks_or_edits_is_told(tmp_path):
 
 
 @posix
+@pytest.mark.slow
 def test_killed_between_any_two_renames_the_folder_is_whole_or_says_that_it_is_not(tmp_path):
     """A run is killed at its first, second, ... rename; an earlier run and its gait are there."""
     old = {name: f"{name} old" for name in ("tracks.csv", "tracks.nc")}

@@ -52,6 +52,7 @@ def test_files_and_columns_are_those_of_the_contract(tracked):
     assert tuple(pd.read_csv(out / "suspects.csv").columns) == SUSPECTS_COLUMNS
 
 
+@pytest.mark.slow
 def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
     """A front paw is 8 px long here; hidden paws are bridged, so nothing is missing."""
     tracks = track(rendered_trial)
@@ -75,6 +76,7 @@ def clicks_in(folder, frame):
 
 
 @pytest.mark.parametrize("clicked", [pytest.param(5, marks=pytest.mark.slow), 30])
+@pytest.mark.slow
 def test_the_default_goes_both_ways_from_where_paws_were_clicked(rendered_trial, clicked):
     """Nothing is missing before the click, and paws are found there as they are after one."""
     start = clicks_in(rendered_trial, clicked)
@@ -277,6 +279,7 @@ def test_an_animal_that_was_renamed_since_keeps_its_tracks_when_tracked_again(tr
 
 
 @pytest.mark.parametrize("method", [pytest.param("paper", marks=pytest.mark.slow), "pawnb"])
+@pytest.mark.slow
 def test_tracking_again_changes_the_corrected_points_only(method, small_trial):
     """FR is put right in frame 4 and in frame 8: rows 4 to 7 of FR are tracked again."""
     trial = load_trial(small_trial)
