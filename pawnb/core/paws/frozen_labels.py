@@ -12,7 +12,7 @@ Freezes = Mapping[str, Sequence[tuple[int, int]]]
 """View to half-open ranges of frames of the trial in which its film shows one picture again."""
 
 
-def without_frozen(tracks: Tracks, freezes: Freezes) -> Tracks:
+def without_frozen(tracks: Tracks, freezes: Freezes, *, needs_all: bool = False) -> Tracks:
     """Return tracks whose labels in freezes count as predicted, without any confidence.
 
     Parameters
@@ -21,12 +21,14 @@ def without_frozen(tracks: Tracks, freezes: Freezes) -> Tracks:
         Tracks.
     freezes : mapping
         Where the film of each view stood still.
+    needs_all : bool
+        Whether a position in space needs every view, as the joints of a pose do.
 
     Returns
     -------
     xarray.Dataset
         Positions are as they were; what a person has placed stays as it is. A position in space
-        is predicted where no view has measured it.
+        is predicted where no view has measured it, or not every view where all are needed.
     """
     frames = tracks["frame"].to_numpy()
     frozen = np.zeros((tracks.sizes["time"], tracks.sizes["view"]), bool)
@@ -38,8 +40,10 @@ def without_frozen(tracks: Tracks, freezes: Freezes) -> Tracks:
     measured, predicted = ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"]
     origin, confidence = tracks["image_origin"], tracks["image_confidence"]
     hit = frozen[..., None, None] & np.isin(origin, (measured, predicted))
-    sure = np.isin(np.where(hit, predicted, origin), (measured, ORIGIN_CODE["edited"])).any(axis=1)
-    in_space = hit.any(axis=1) & ~sure & (tracks["origin"].to_numpy() == measured)
+    seen = np.isin(np.where(hit, predicted, origin), (measured, ORIGIN_CODE["edited"]))
+    sure = seen.all(axis=1) if needs_all else seen.any(axis=1)
+    placed = np.isin(tracks["origin"], (measured, predicted))
+    in_space = hit.any(axis=1) & ~sure & placed
     return tracks.assign(
         image_origin=origin.copy(data=np.where(hit, predicted, origin).astype(origin.dtype)),
         image_confidence=confidence.copy(data=np.where(hit, 0.0, confidence)),

@@ -1,7 +1,8 @@
-"""The part of a recording in which a jointed animal is seen: not where it comes or goes."""
+"""The part of a recording in which an animal is seen: not where it comes or goes, or is frozen."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,39 @@ _LEAST_LEGS_SHARE = 0.5
 """An animal of which fewer of its legs are seen is not yet, or no longer, in the picture. Set by
 hand: of an animal that enters, the legs that are not there are placed up to a leg's length away."""
 _UNSEEN = [ORIGIN_CODE["predicted"], ORIGIN_CODE["missing"]]
+
+
+def without_unseen_frames(tracks: Tracks, feet: Sequence[str]) -> Tracks:
+    """Return tracks without positions in frames that show nothing of an animal.
+
+    Where a film stands still every foot is predicted, with no confidence at all. Taken for a
+    path, such feet stand, and one stride reaches over two.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of one animal.
+    feet : sequence of str
+        Points that are its feet.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same tracks where there is no such frame.
+    """
+    order = ("time", "keypoint", "individual")
+    own = tracks[["origin", "confidence"]].sel(keypoint=list(feet)).transpose(*order)
+    origin, sure = own["origin"].to_numpy(), own["confidence"].to_numpy()
+    is_blind = (origin == ORIGIN_CODE["predicted"]) & (sure == 0.0)
+    is_gone = origin == ORIGIN_CODE["missing"]
+    rows = np.flatnonzero((is_blind | is_gone).all(axis=(1, 2)) & is_blind.any(axis=(1, 2)))
+    if not len(rows):
+        return tracks
+    tracks = tracks.copy(deep=True)
+    for name in ("position", "image_position", "joint_angle"):
+        if name in tracks:
+            tracks[name].values[rows] = np.nan
+    return tracks
 
 
 def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:

@@ -58,8 +58,11 @@ def _with_chances(poses: Tracks) -> Tracks:
     """Return poses of one view whose labels have the probability of being right; others as are."""
     if poses.sizes["view"] > 1 or "sd" not in poses:
         return poses  # in space all views decide; without sd they are of another method
-    chances = chances_of_tips(poses["image_confidence"].to_numpy())
-    confidence = poses["image_confidence"].copy(data=chances)
+    sure = poses["image_confidence"]
+    # where no leg is seen, as where a film stands still, there is no body that legs follow
+    is_seen = sure.sel(keypoint=BODY_POINT, drop=True) > 0.0
+    chances = sure.copy(data=chances_of_tips(sure.to_numpy()))
+    confidence = chances.where(is_seen, 0.0).transpose(*sure.dims)
     confidence.attrs[CALIBRATED] = 1
     return poses.assign(image_confidence=confidence)
 

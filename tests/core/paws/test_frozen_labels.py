@@ -52,6 +52,13 @@ def test_places_in_space_are_predicted_where_every_film_stood_still_and_the_verd
     assert [round(point.measured, 3) for point in worse.points] == [0.575, 0.575]
 
 
+def test_a_joint_that_needs_every_view_is_predicted_where_one_film_stood_still():
+    found = without_frozen(measured_tracks(), {"right": [(108, 115)]}, needs_all=True)
+    in_space = (found["origin"] == PREDICTED).to_numpy()[:, 0, 0]
+    assert np.flatnonzero(in_space).tolist() == list(range(8, 15))
+    assert (found["image_origin"].to_numpy()[:, 0] == MEASURED).all()
+
+
 def test_without_a_freeze_tracks_stay_the_same():
     tracks = measured_tracks()
     assert without_frozen(tracks, {}) is tracks

@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from pawnb import gait
+from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.species_file import load_species
@@ -50,6 +51,29 @@ def test_where_few_legs_are_seen_nothing_steps(entering):
     assert left_out["why"].tolist() == ["fewer than half of the legs are seen"]
     times = tracks["time"].to_numpy()[[0, N_UNSEEN - 1]]
     assert left_out[["start_s", "end_s"]].to_numpy().tolist() == [times.tolist()]
+
+
+@pytest.mark.slow
+def test_no_stride_reaches_over_a_film_that_stood_still(entering):
+    """The pose is held for 15 frames, about a stride: strides were twice as long as they are."""
+    trial, true, _ = entering
+    true = true.isel(time=slice(N_UNSEEN, None))
+    held = true.copy(deep=True)
+    for name in ("position", "image_position", "joint_angle"):
+        held[name].values[40:55] = held[name].values[39]
+    frozen = without_frozen(held, {"top": [tuple(held["frame"].to_numpy()[[40, 55]])]})
+    longest = gait.analyse(true, trial=trial).strides["period_s"].max()
+    found = gait.analyse(frozen, trial=trial)
+    assert gait.analyse(held, trial=trial).strides["period_s"].max() > 1.5 * longest
+    assert found.strides["period_s"].max() < 1.1 * longest
+    time = held["time"].to_numpy()
+    left_out = found.dropped[found.dropped["what"] == "track"]
+    assert len(left_out) == 8
+    assert (left_out["start_s"] <= time[40]).all()
+    assert (left_out["end_s"] >= time[54]).all()
+    # joint angles leave those frames out too
+    angles = get_joint_angles(frozen).groupby(["leg", "joint"])["angle_deg"].count()
+    assert (angles == len(time) - 15).all()
 
 
 def test_greatest_joint_angles_are_of_the_animal_in_view(entering):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import posed_frames
@@ -15,6 +16,7 @@ from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.track_result import PoseTrack, join_tracks
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.video import ViewSet
+from pawnb.core.video.doubts.repeated import freezes_of_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
@@ -110,6 +112,9 @@ def retrack_pose(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOpti
         )  # fmt: skip
         if stop is not None and stop():
             return tracks
+        span = int(frames[0]), int(frames[-1]) + 1
+        freezes = freezes_of_views(trial, run.views, start=span[0], stop=span[1])
+        made = without_frozen(made, freezes, needs_all=True)
     step = build_step(
         "retrack",
         command=None,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.arrays import IntArray
+from pawnb.core.paws.frozen_labels import Freezes, without_frozen
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.background import Background
@@ -23,6 +23,7 @@ from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet
+from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.pose import check_pose, read_pose
@@ -82,6 +83,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
         _tell_doubts(animal, poses, reader, background)
+        freezes = _tell_freezes(trial, views, span)
         if background.n_frames > 1 and not (tracker.is_offline or asked.frames or trial.frames):
             span = _with_animal(reader, view, span, poses)
         step = record_of_run(
@@ -107,7 +109,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
             )  # fmt: skip
             complete = complete and not stop()
         tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
-        tracks = _described(tracks, trial, run, track.poses.frames)
+        tracks = _described(without_frozen(tracks, freezes, needs_all=True), trial, run)
         made = {"complete": complete, "estimated": dict(track.estimated), "notes": notes}
         second = {} if space is None else {"second_view": str(trial.views[1].name)}
         tracks = add_provenance(tracks, **step, **made, **second)
@@ -119,10 +121,10 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
     return tracks
 
 
-def _described(tracks: Tracks, trial: Trial, run: OpenedRun, frames: IntArray) -> Tracks:
+def _described(tracks: Tracks, trial: Trial, run: OpenedRun) -> Tracks:
     """Return tracks with their times and what a reader needs to know of the trial."""
     # where the rate varies these are the file's own time stamps
-    tracks = tracks.assign_coords(time=run.views.time_s[frames])
+    tracks = tracks.assign_coords(time=run.views.time_s[tracks["frame"].to_numpy()])
     return describe_trial(tracks, trial, sizes=run.sizes)
 
 
@@ -256,6 +258,14 @@ def _tell_doubts(
             doubts.append(say_outside(outside, frame))
         for doubt in doubts:
             warn_of_input(f"{doubt}.", InputWarning, stacklevel=4)
+
+
+def _tell_freezes(trial: Trial, views: ViewSet, span: tuple[int, int]) -> Freezes:
+    """Warn of films that stand still, and return where they do."""
+    freezes = freezes_of_views(trial, views, start=span[0], stop=span[1])
+    for doubt in tell_freezes(views, freezes):
+        warn_of_input(f"{doubt}.", InputWarning, stacklevel=4)
+    return freezes
 
 
 def pose_tracks(

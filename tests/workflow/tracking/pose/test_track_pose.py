@@ -18,12 +18,14 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.io.pose import read_pose
-from pawnb.schema import SUSPECTS_COLUMNS, TRACKS_COLUMNS
+from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, TRACKS_COLUMNS
+from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
 from pawnb.workflow.provenance.manifest import run_alone
 from pawnb.workflow.provenance.results import RESULT_FILES
+from pawnb.workflow.reviewing.quality import assess_quality
 from pawnb.workflow.start.propose_pose import trial_background
-from pawnb.workflow.tracking.track import track
+from pawnb.workflow.tracking.track import retrack, track
 
 pytestmark = pytest.mark.slow  # scenes are rendered and tracked
 
@@ -98,6 +100,35 @@ def test_the_published_method_follows_the_frames_that_show_the_animal(rendered_s
     truth = pd.read_csv(rendered_spider / "truth" / "pose.csv")
     pose = pd.read_csv(tmp_path / "pose.csv")
     assert np.hypot(pose["x"] - truth["x"], pose["y"] - truth["y"]).max() < 3.0
+
+
+def test_poses_in_a_film_that_stands_still_are_not_measured(tmp_path):
+    """A walking spider whose film shows one picture for 12 frames was tracked as *good*."""
+    render_spider_trial(tmp_path, frames=110, scale=0.3, seed=1)
+    here = int(pd.read_csv(tmp_path / "start_pose.csv")["frame"].iloc[0])
+    first, stop = here + 10, here + 22
+    with open_views(load_trial(tmp_path)) as views:
+        pictures = [views.frame(i)["top"].image() for i in range(110)]
+    (tmp_path / "frozen").mkdir()
+    for i in range(110):
+        shown = pictures[first - 1] if first <= i < stop else pictures[i]
+        cv2.imwrite(str(tmp_path / "frozen" / f"{i:03d}.png"), shown)
+    change(tmp_path, "trial.toml", 'video = "spider.avi"', 'video = "frozen"')
+    trial, span = load_trial(tmp_path), (here, here + 30)
+    with pytest.warns(InputWarning, match=f"stands still in frames {first} to {stop - 1}"):
+        tracks = track(trial, frames=span, settings={"choose_path": False})
+    held = np.isin(tracks["frame"], range(first, stop))
+    seen = ORIGIN_CODE["measured"]
+    assert (tracks["origin"].to_numpy()[held] == ORIGIN_CODE["predicted"]).all()
+    assert (tracks["confidence"].to_numpy()[held] == 0.0).all()
+    assert (tracks["origin"].sel(keypoint="body").to_numpy()[~held] == seen).all()
+    quality = assess_quality(tracks)
+    assert quality.verdict == "look"
+    # nothing is right in 12 of 30 frames
+    assert all(point.expected_right <= 18 / 30 for point in quality.points)
+    # to track again measures nothing there either
+    again = retrack(trial, tracks, here + 8, progress=lambda _done, _total: None)
+    assert (again["origin"].to_numpy()[held] == ORIGIN_CODE["predicted"]).all()
 
 
 def test_stopping_keeps_what_is_done_and_says_so(rendered_spider, tmp_path):
