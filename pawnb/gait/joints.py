@@ -11,8 +11,7 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
-from pawnb.gait.locomotion.pose_body import leg_roots
-from pawnb.gait.locomotion.seen_part import seen_part, without_unseen_frames
+from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.schema import Tracks, check_columns
 from pawnb.signals import find_runs, smooth_spline
 from pawnb.signals.splines import LEAST_SAMPLES
@@ -100,8 +99,7 @@ def get_joint_angles(
 
 def _angle_table(pose: Tracks) -> pd.DataFrame:
     """Return the angles of one animal, a column a joint, where it is seen."""
-    tips = list(leg_roots([str(point) for point in pose["keypoint"].to_numpy()]))
-    seen, _ = seen_part(without_unseen_frames(pose, tips))
+    seen, _ = seen_part(pose)
     values = seen["joint_angle"].isel(individual=0).transpose("time", "joint")
     return pd.DataFrame(values.to_numpy(), columns=seen["joint"].to_numpy())
 

@@ -35,7 +35,7 @@ from pawnb.gait.locomotion.foot_trajectories import (
 )
 from pawnb.gait.locomotion.grid import Grid, put_on_grid
 from pawnb.gait.locomotion.pose_body import pose_body
-from pawnb.gait.locomotion.seen_part import seen_part, without_unseen_frames
+from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.belt import read_belt_speed
@@ -136,8 +136,8 @@ def analyse(
     parts = []
     for individual in individuals:
         # each is in the picture for a time of its own
-        own = without_unseen_frames(tracks.sel(individual=[individual]), list(named.values()))
-        part, unseen = seen_part(own)
+        feet = list(named.values())
+        part, unseen = seen_part(tracks.sel(individual=[individual]), feet=feet)
         grid, dense = put_on_grid(part, where=where)
         belt = _belt_on_grid(belt_speed, trial, grid)
         lost = [*unseen, *_lost_frames(part, grid)]

@@ -16,23 +16,11 @@ hand: of an animal that enters, the legs that are not there are placed up to a l
 _UNSEEN = [ORIGIN_CODE["predicted"], ORIGIN_CODE["missing"]]
 
 
-def without_unseen_frames(tracks: Tracks, feet: Sequence[str]) -> Tracks:
+def _without_unseen_frames(tracks: Tracks, feet: Sequence[str]) -> Tracks:
     """Return tracks without positions in frames that show nothing of an animal.
 
     Where a film stands still every foot is predicted, with no confidence at all. Taken for a
     path, such feet stand, and one stride reaches over two.
-
-    Parameters
-    ----------
-    tracks : xarray.Dataset
-        Tracks of one animal.
-    feet : sequence of str
-        Points that are its feet.
-
-    Returns
-    -------
-    xarray.Dataset
-        The same tracks where there is no such frame.
     """
     order = ("time", "keypoint", "individual")
     own = tracks[["origin", "confidence"]].sel(keypoint=list(feet)).transpose(*order)
@@ -49,8 +37,11 @@ def without_unseen_frames(tracks: Tracks, feet: Sequence[str]) -> Tracks:
     return tracks
 
 
-def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
-    """Leave out the ends of tracks of a jointed animal in which too few of its legs are seen.
+def seen_part(tracks: Tracks, *, feet: Sequence[str] = ()) -> tuple[Tracks, list[dict[str, Any]]]:
+    """Leave out what shows nothing of an animal, and where too little of a jointed one is seen.
+
+    Frames in which every foot is predicted without confidence, as where a film stands still, have
+    no position in any case. Of a jointed animal the ends go in which too few legs are seen.
 
     A tracker gives a pose from the first frame on in which something of the animal is there. Its
     other legs are placed by their neighbours alone, and would make steps that nobody has seen.
@@ -60,7 +51,9 @@ def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
     Parameters
     ----------
     tracks : xarray.Dataset
-        Tracks; others than those of a jointed animal are returned as they are.
+        Tracks.
+    feet : sequence of str
+        Points that are feet; of a jointed animal these are the tips of its legs.
 
     Returns
     -------
@@ -71,9 +64,10 @@ def seen_part(tracks: Tracks) -> tuple[Tracks, list[dict[str, Any]]]:
         What is left out: leg, start_s, end_s, what, why.
     """
     if "heading" not in tracks:
-        return tracks, []
+        return (_without_unseen_frames(tracks, feet) if feet else tracks), []
     points = [str(point) for point in tracks["keypoint"].to_numpy()]
     tips = list(leg_roots(points))
+    tracks = _without_unseen_frames(tracks, tips)
     origin = tracks["origin"].sel(keypoint=tips).transpose("time", "keypoint", "individual")
     seen = ~np.isin(origin.to_numpy(), _UNSEEN)
     ever = seen.any(axis=0).sum(axis=0)  # of an animal that lacks legs, those it has

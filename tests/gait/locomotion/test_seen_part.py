@@ -12,7 +12,7 @@ from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.locomotion.seen_part import seen_part
-from pawnb.schema import ORIGIN_CODE
+from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.synthetic import render_spider_trial, spider_trial
 from pawnb.trial import load_trial
 
@@ -144,3 +144,19 @@ def test_a_leg_out_of_sight_by_itself_at_an_end_makes_no_steps_there(entering):
     assert lost == {"R2": n * 5, "L2": 0}
     # nothing of what was given is changed
     assert np.isfinite(hidden["position"].values[:, :, places.index("R2")]).all()
+
+
+def test_points_have_no_position_where_every_foot_is_predicted_without_confidence():
+    """A snout that is still seen keeps no foot in place; one foot that is seen keeps the frame."""
+    tracks = make_tracks(range(10), ["FR", "FL", "snout"], fps=100.0, views=["side"])
+    for name, value in (("confidence", 0.9), ("origin", ORIGIN_CODE["measured"])):
+        tracks[name][:] = value
+    tracks["position"][:] = 1.0
+    tracks["origin"].loc[{"keypoint": ["FR", "FL"]}] = ORIGIN_CODE["predicted"]
+    tracks["confidence"][3:6] = 0.0
+    tracks["origin"][5, 0] = ORIGIN_CODE["edited"]
+    part, dropped = seen_part(tracks, feet=["FR", "FL"])
+    is_there = np.isfinite(part["position"].sel(keypoint=["FR", "FL"])).all(axis=(1, 2, 3))
+    assert np.flatnonzero(~is_there).tolist() == [3, 4]
+    assert dropped == []
+    assert seen_part(tracks)[0] is tracks
