@@ -14,7 +14,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
-from pawnb.signals import butterworth_lowpass, dominant_frequency, fill_gaps
+from pawnb.signals import butterworth_lowpass, dominant_frequency, fill_gaps_of_points
 
 TRAVEL_FACTOR = 2.0
 """An animal travels when it gets further than this many excursions of its feet."""
@@ -169,7 +169,7 @@ def smooth_path(positions: FloatArray, *, cutoff_hz: float, fs_hz: float) -> Flo
         The path, bridged where no point was seen; NaN before the first and after the
         last sighting.
     """
-    path = fill_gaps(mean_path(positions), max_gap=len(positions))
+    path = fill_gaps_of_points(mean_path(positions), max_gap=len(positions))
     known = np.flatnonzero(np.isfinite(path).all(axis=1))
     if len(known) * cutoff_hz >= fs_hz:
         return butterworth_lowpass(path, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
@@ -357,7 +357,7 @@ def body_frame_from_points(
             f"[animal] body names {body.shape[2]} point; expected two or more, rear to front, "
             "or none."
         )
-    body = fill_gaps(body, max_gap=len(body))
+    body = fill_gaps_of_points(body, max_gap=len(body))
     if cutoff_hz is not None:
         body = butterworth_lowpass(body, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
     if not np.isfinite(body).all(axis=(1, 2)).any():

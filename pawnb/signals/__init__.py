@@ -13,7 +13,7 @@ from pawnb.signals.butterworth import (
 from pawnb.signals.derivatives import differentiate, unwrap_angles
 from pawnb.signals.frequency import dominant_frequency
 from pawnb.signals.motion import SmoothedMotion, smooth_motion
-from pawnb.signals.runs import fill_gaps, find_runs
+from pawnb.signals.runs import fill_gaps, fill_gaps_of_points, find_runs
 from pawnb.signals.splines import smooth_spline, spline_cutoff
 from pawnb.signals.turns import find_jumps, find_turns, refine_extremum
 
@@ -23,6 +23,7 @@ __all__ = [
     "differentiate",
     "dominant_frequency",
     "fill_gaps",
+    "fill_gaps_of_points",
     "find_jumps",
     "find_runs",
     "find_turns",

@@ -50,18 +50,12 @@ def fill_gaps(x: FloatArray, *, max_gap: int) -> FloatArray:
     InputError
         If ``max_gap`` is negative.
     """
-    if max_gap < 0:
-        raise InputError(f"max_gap is {max_gap}; expected 0 or more samples.")
 
     def fill(column: FloatArray) -> FloatArray:
         there = np.isfinite(column)
         out = column.copy()
-        if there.sum() < 2:
-            return out
+        short = _short_gaps(there, max_gap)
         known = np.flatnonzero(there)
-        gaps = find_runs(~there)
-        inner = (gaps[:, 0] > known[0]) & (gaps[:, 1] <= known[-1])
-        short = gaps[inner & (gaps[:, 1] - gaps[:, 0] <= max_gap)]
         if len(short):
             curve = PchipInterpolator(known, column[known])
             for start, stop in short:
@@ -69,6 +63,53 @@ def fill_gaps(x: FloatArray, *, max_gap: int) -> FloatArray:
         return out
 
     return each_column(x, fill)
+
+
+def fill_gaps_of_points(positions: FloatArray, *, max_gap: int) -> FloatArray:
+    """Interpolate short gaps of points in a plane or in space, whichever way its axes lie.
+
+    The monotone curve of :func:`fill_gaps` is another one along other axes. Here it runs along
+    the straight line over the gap, so that a picture that is turned has the same points.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d) or (n, d, k)
+        Positions; NaN where missing. A point of which one coordinate is missing is missing.
+    max_gap : int
+        Longest gap, in samples, that is filled.
+
+    Returns
+    -------
+    ndarray of the same shape
+        A copy with the gaps filled; longer ones, and missing ends, stay as they are.
+
+    Raises
+    ------
+    InputError
+        If ``max_gap`` is negative.
+    """
+    out = np.array(positions, dtype=float, order="C")
+    for point in np.moveaxis(out.reshape(*out.shape[:2], -1), 2, 0):
+        there = np.isfinite(point).all(axis=1)
+        known = np.flatnonzero(there)
+        for start, stop in _short_gaps(there, max_gap):
+            after = int(np.searchsorted(known, stop))
+            about = known[max(after - 2, 0) : after + 2]  # all that the curve over it depends on
+            way = point[stop] - point[start - 1]
+            length = float(np.linalg.norm(way))
+            unit = way / length if length > 0.0 else way
+            curve = PchipInterpolator(about, (point[about] - point[start - 1]) @ unit)
+            point[start:stop] = point[start - 1] + np.outer(curve(np.arange(start, stop)), unit)
+    return out
+
+
+def _short_gaps(there: BoolArray, max_gap: int) -> IntArray:
+    """Return the first sample and one past the last of gaps that are to be filled."""
+    if max_gap < 0:
+        raise InputError(f"max_gap is {max_gap}; expected 0 or more samples.")
+    gaps = find_runs(~there)
+    inner = (gaps[:, 0] > 0) & (gaps[:, 1] < len(there))
+    return gaps[inner & (gaps[:, 1] - gaps[:, 0] <= max_gap)]
 
 
 def each_column(x: FloatArray, apply: Callable[[np.ndarray], np.ndarray]) -> FloatArray:

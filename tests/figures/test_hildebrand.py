@@ -82,3 +82,23 @@ def test_time_on_the_ground_is_that_of_contact_and_without_it_no_walk_is_named()
     assert not {"walk", "run"} & {t.get_text() for t in ax.texts}
     scored = build_hildebrand_diagram_table(strides.assign(method="TD/LO"), phases)
     assert scored["duty_percent"].iloc[0] == pytest.approx(60.0)  # its own duty factor
+
+
+def test_names_of_gaits_stand_at_their_lags_and_walk_on_the_left():
+    # Hildebrand 1965: pace 0 and 100, trot 50, lateral sequence 25, diagonal sequence 75 percent;
+    # walks have a foot on the ground for more than half of the stride, and are on the left
+    ax = plot_hildebrand_diagram(build_hildebrand_diagram_table(*tables()))
+    ax.figure.canvas.draw()
+    lags = {"lateral sequence, single foot": 25, "trot": 50, "diagonal sequence, single foot": 75}
+    words = {text.get_text(): text for text in ax.texts}
+    for name, lag in lags.items():
+        assert words[name].get_position()[1] == pytest.approx(lag, abs=2.0)
+    paces = sorted(text.get_position()[1] for text in ax.texts if text.get_text() == "pace")
+    assert paces == pytest.approx([0.0, 100.0], abs=2.0)
+    half = ax.transData.transform((50.0, 0.0))[0]
+    assert words["walk"].get_window_extent().x1 < half < words["run"].get_window_extent().x0
+    left, right = ax.get_window_extent().x0, ax.get_window_extent().x1
+    for name in lags:
+        assert left < words[name].get_window_extent().x0
+        assert words[name].get_window_extent().x1 < right
+    assert [set(line.get_xdata()) for line in ax.lines].count({50.0}) == 1

@@ -8,6 +8,7 @@ import pytest
 
 from pawnb.gait import analyse, pool
 from pawnb.io import authors2019
+from pawnb.io.formats import read_any_tracks
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
 
@@ -83,6 +84,23 @@ def test_landings_of_a_real_mouse_on_the_ground(real_data):
     lost = tables.dropped.query("what == 'track'")
     assert {"HR", "HL"} == set(lost["leg"])
     assert tables.strides["period_s"].max() < 0.6
+
+
+@pytest.mark.slow
+def test_gait_does_not_depend_on_how_the_camera_was_turned(real_data):
+    # a mouse in an open field, with gaps where the network was not sure of snout, tail and paws
+    tracks = read_any_tracks(real_data("mouse-openfield-dlc") / "raw_clip1DLC.csv", fps=60.0)
+    place = tracks["position"].where(tracks["confidence"] >= 0.6)
+    angle = np.radians(30.0)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    found = []
+    for matrix in (np.eye(2), turn):
+        turned = tracks.copy(deep=True)
+        turned["position"].data = np.einsum("ij,tj...->ti...", matrix, place.data)
+        found.append(analyse(turned).strides)
+    columns = ["period_s", "duty_factor", "contact_duty_factor", "speed", "stride_length"]
+    assert len(found[0]) > 200
+    np.testing.assert_allclose(found[1][columns], found[0][columns], rtol=1e-6)
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ from pawnb.signals import (
     differentiate,
     dominant_frequency,
     fill_gaps,
+    fill_gaps_of_points,
     find_jumps,
     find_runs,
     find_turns,
@@ -41,6 +42,27 @@ def test_only_short_inner_gaps_are_filled():
     assert np.isnan(filled[10:14]).all()
     assert np.isnan(filled[18:]).all()
     assert np.isnan(gappy[5])  # the input is left alone
+
+
+def test_gaps_of_points_are_filled_alike_whichever_way_the_axes_lie():
+    # turning the picture by 0.5 turns what is filled; along one axis it is the curve of fill_gaps
+    t = np.arange(40.0)
+    curve = np.stack([10 * np.cos(t / 7), 4 * np.sin(t / 5)], axis=-1)
+    curve[2:5], curve[17:22], curve[30:36] = np.nan, np.nan, np.nan
+    curve[:1], curve[39:] = np.nan, np.nan
+    turn = np.array([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]])
+    filled = fill_gaps_of_points(curve, max_gap=5)
+    np.testing.assert_allclose(fill_gaps_of_points(curve @ turn, max_gap=5), filled @ turn)
+    assert np.isnan(filled[30:36]).all()
+    assert np.isnan(filled[[0, 39]]).all()
+    way, along = curve[22] - curve[16], filled[17:22] - curve[16]
+    across = way[0] * along[:, 1] - way[1] * along[:, 0]
+    np.testing.assert_allclose(across, 0.0, atol=1e-12)  # on the straight line over the gap
+    line = np.stack([curve[:, 0], 0.0 * t], axis=-1)
+    two = np.asfortranarray(np.stack([line, line + 1.0], axis=-1))
+    both = fill_gaps_of_points(two, max_gap=5)
+    np.testing.assert_allclose(both[:, 0, 0], fill_gaps(curve[:, 0], max_gap=5))
+    np.testing.assert_allclose(both[:, :, 1], both[:, :, 0] + 1.0)
 
 
 def test_filling_invents_no_extreme():

@@ -31,7 +31,14 @@ from pawnb.gait.locomotion.time_scales import Scales, least_excursions, say_held
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import along
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
-from pawnb.signals import butterworth_lowpass, differentiate, fill_gaps, find_jumps, find_runs
+from pawnb.signals import (
+    butterworth_lowpass,
+    differentiate,
+    fill_gaps,
+    fill_gaps_of_points,
+    find_jumps,
+    find_runs,
+)
 from pawnb.trial import Trial
 
 EVENT_TABLE_COLUMNS = (*EVENTS_COLUMNS, "position")
@@ -113,7 +120,9 @@ def analyse_space(
     max_gap = round(scales.max_gap_s * fs)
     smooth = partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
     raw = frame.fore_aft(feet.positions)
-    position, displacement = smooth(raw), displacement_along(smooth(feet.positions), frame.forward)
+    position = smooth(raw)
+    bridged_feet = fill_gaps_of_points(feet.positions, max_gap=max_gap)
+    displacement = displacement_along(smooth(bridged_feet), frame.forward)
     turning, how = position, f"fore-aft position ({frame.method})"
     if feet.angle_deg is not None:
         turning, how = smooth(feet.angle_deg), "leg angle"

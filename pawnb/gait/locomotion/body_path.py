@@ -20,7 +20,7 @@ from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.time_scales import least_excursion, least_excursions
 from pawnb.kinematics import main_axis, smooth_path
-from pawnb.signals import butterworth_lowpass, fill_gaps, find_turns
+from pawnb.signals import butterworth_lowpass, fill_gaps, fill_gaps_of_points, find_turns
 
 Source = Literal["laboratory", "points", "feet"]
 
@@ -285,7 +285,7 @@ def _regular_share(positions: FloatArray, forward: FloatArray, settings: EventSe
 
 def _slow(positions: FloatArray, frequency_hz: float, fs_hz: float) -> FloatArray:
     """Return each point without what it does in a stride, shape (n, d, k)."""
-    filled = fill_gaps(positions, max_gap=len(positions))
+    filled = fill_gaps_of_points(positions, max_gap=len(positions))
     return butterworth_lowpass(filled, cutoff_hz=min(SLOW * frequency_hz, 0.4 * fs_hz), fs_hz=fs_hz)
 
 

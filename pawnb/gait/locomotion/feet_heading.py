@@ -12,7 +12,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.kinematics import smooth_path
-from pawnb.signals import fill_gaps
+from pawnb.signals import fill_gaps_of_points
 
 _ALIGNMENTS = 20
 _LIKE_PLACES = 0.5
@@ -59,7 +59,7 @@ def heading_of_feet(
         goes to no side of its body on the whole.
     """
     across, ahead = _plane(positions.shape[1], up)
-    filled = np.moveaxis(fill_gaps(positions, max_gap=len(positions)), 1, -1)
+    filled = np.moveaxis(fill_gaps_of_points(positions, max_gap=len(positions)), 1, -1)
     feet = _as_complex(filled, across, ahead)
     feet = feet[:, np.isfinite(feet).any(axis=0)]
     known = np.isfinite(feet).all(axis=1)

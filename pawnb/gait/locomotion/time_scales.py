@@ -10,7 +10,7 @@ import numpy as np
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
-from pawnb.signals import butterworth_lowpass, fill_gaps, find_turns
+from pawnb.signals import butterworth_lowpass, fill_gaps, fill_gaps_of_points, find_turns
 
 _UNFILTERED_ABOVE = 0.35
 """No filter where its cut-off would be above this share of the sampling rate."""
@@ -228,7 +228,8 @@ def without_jitter(positions: FloatArray, *, frequency_hz: float, fs_hz: float) 
     ndarray
         Of the same shape.
     """
-    filled = fill_gaps(positions, max_gap=len(positions))
+    fill = fill_gaps_of_points if positions.ndim == 3 else fill_gaps
+    filled = fill(positions, max_gap=len(positions))
     if not 0.0 < frequency_hz < math.inf:
         return filled
     cutoff = min(_CUTOFF_STRIDES * frequency_hz, _UNFILTERED_ABOVE * fs_hz)

@@ -13,8 +13,8 @@ import xarray as xr
 
 from pawnb.gait import analyse
 from pawnb.gait.events.event_settings import EventSettings
-from pawnb.gait.locomotion.body_path import is_carried, points_of_body
-from pawnb.gait.locomotion.foot_trajectories import get_foot_paths
+from pawnb.gait.locomotion.body_path import is_carried, is_roaming, points_of_body
+from pawnb.gait.locomotion.foot_trajectories import FootPaths, get_foot_paths
 from pawnb.io.formats import read_any_tracks
 from pawnb.kinematics import smooth_path
 from pawnb.schema import ORIGIN_CODE, make_tracks
@@ -151,3 +151,20 @@ def test_real_mice_put_on_a_belt_keep_the_strides_they_have_on_the_ground(real_d
     assert abs(len(found) - len(ground)) <= 1 < 0.2 * len(ground)
     assert found["speed"].median() == pytest.approx(usual, rel=0.1)
     assert found["duty_factor"].mean() == pytest.approx(ground["duty_factor"].mean(), abs=0.02)
+
+
+def test_a_circle_of_five_reaches_is_roaming_one_of_three_and_a_long_line_are_not():
+    # feet 1 from the body: the circle's width is its diameter, that of a line is 0
+    turn = np.linspace(0.0, 2 * np.pi, 200)
+    circle = np.column_stack((np.cos(turn), np.sin(turn)))
+    reach = np.array([[1.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, -1.0]])
+    for path, roams in (
+        (2.5 * circle, True),
+        (1.5 * circle, False),
+        (circle * [100.0, 1.5], False),
+    ):
+        feet = FootPaths(
+            source="position", unit="mm", legs=("FR", "HR", "FL", "HL"),
+            positions=path[:, :, None] + reach,
+        )  # fmt: skip
+        assert is_roaming(feet, path) is roams

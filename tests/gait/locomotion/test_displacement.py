@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from pawnb.gait import analyse
-from pawnb.gait.locomotion.displacement import displacement_along
+from pawnb.gait.locomotion.displacement import displacement_along, measure_motion
+from pawnb.gait.locomotion.foot_trajectories import FootPaths
+from pawnb.gait.locomotion.grid import Grid
+from pawnb.kinematics import BodyFrame
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 FS, PERIOD_S, DUTY, SPEED, TURN = 200.0, 1 / 6, 0.6, 12.0, 1.2
@@ -73,3 +76,31 @@ def test_ways_are_positions_along_a_heading_that_stays_and_gaps_stay_gaps():
     positions[3] = np.nan
     displacement = displacement_along(positions, np.tile([0.6, 0.8], (6, 1)))[:, 0]
     np.testing.assert_allclose(displacement, [0.0, 5.0, 10.0, np.nan, 20.0, 25.0])
+
+
+def test_a_step_while_the_heading_turns_goes_along_the_mean_of_both_headings():
+    # trapezoid rule by hand: 4 to the right while the heading turns from right to down is 2
+    forward = np.array([[1.0, 0.0], [0.0, 1.0], [np.nan, np.nan], [0.0, 1.0]])
+    positions = np.array([[5.0, 1.0], [9.0, 1.0], [9.0, 2.0], [9.0, 6.0]])[:, :, None]
+    displacement = displacement_along(positions, forward)[:, 0]
+    np.testing.assert_allclose(displacement, [0.0, 2.0, np.nan, 7.0])  # 5 down over the gap
+
+
+def test_motion_over_a_belt_that_speeds_up_by_hand():
+    # belt at 0, 2, 4 a second, two samples a second: 0.5 and 1.5 roll by; the body stays in the
+    # room, 3 behind the zero of its feet, and turns over the direction where angles begin anew
+    heading = np.radians([170.0, 180.0, 190.0])
+    forward = np.column_stack((np.cos(heading), np.sin(heading)))
+    path = np.full((3, 2), 40.0)
+    motion = measure_motion(
+        FootPaths(source="position", unit="mm", legs=("FL",), positions=np.zeros((3, 2, 1))),
+        BodyFrame(origin=path + 3.0 * forward, forward=forward, path=path, method="body points"),
+        displacement=np.array([[0.0], [1.0], [2.0]]),
+        fore_aft=np.array([[0.25], [0.5], [0.75]]),
+        belt=np.array([0.0, 2.0, 4.0]),
+        grid=Grid(time_s=np.array([0.0, 0.5, 1.0]), frame=np.arange(3.0), fs_hz=2.0),
+    )
+    np.testing.assert_allclose(motion.body, [0.0, 0.5, 2.0])
+    np.testing.assert_allclose(motion.feet["FL"], [0.0, 1.5, 4.0])
+    np.testing.assert_allclose(motion.places["FL"], [3.25, 4.0, 5.75])
+    np.testing.assert_allclose(motion.heading_deg, [170.0, 180.0, 190.0])

@@ -82,6 +82,14 @@ def test_hildebrand_takes_the_hind_foot_and_the_fore_lag():
     found = hildebrand_table(strides, table(TROT))
     assert found["duty_percent"].tolist() == pytest.approx([60.0, 70.0])
     assert found["lag_percent"].tolist() == [50.0, 50.0]
+    # Hildebrand 1965: the fore foot a fifth of a stride after the hind foot has a lag of 20, not 80
+    late = table({("FL", "HL"): 0.2, ("FR", "HR"): 0.3})
+    trials = pd.concat([late, late.assign(trial="u")])
+    longer = strides.assign(trial="u", duty_factor=[0.3, 0.4])
+    found = hildebrand_table(pd.concat([strides, longer]), trials)
+    assert found["trial"].tolist() == ["t", "u", "t", "u"]
+    assert found["lag_percent"].tolist() == pytest.approx([20.0, 20.0, 30.0, 30.0])
+    assert found["duty_percent"].tolist() == pytest.approx([60.0, 30.0, 70.0, 40.0])
     with pytest.raises(InputError, match="for four legs"):
         hildebrand_table(strides, table({("L1", "R1"): 0.5}))
 

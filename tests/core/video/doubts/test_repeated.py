@@ -62,6 +62,15 @@ def test_a_film_that_stands_still_while_the_animal_goes_on_is_found(tmp_path, cr
     assert repeats_every(film, 0, film.n_frames) is None
 
 
+def test_two_copies_or_a_film_that_ends_in_copies_are_no_freeze_and_three_are(tmp_path):
+    for copies, found in ((2, []), (3, [(40, 43)])):
+        order = [*range(40), *[39] * copies, *range(40 + copies, N)]
+        film = VideoFile(write(tmp_path / f"{copies}.avi", walking(), order))
+        assert find_freezes(film, 0, N) == found
+    film = VideoFile(write(tmp_path / "end.avi", walking(), [*range(60), *[59] * 30]))
+    assert find_freezes(film, 0, N) == []
+
+
 def test_a_film_as_it_is_and_an_animal_that_slows_down_and_rests_are_not_told(tmp_path):
     film = VideoFile(write(tmp_path / "film.avi", walking(), range(N)))
     assert find_freezes(film, 0, N) == []
@@ -81,18 +90,22 @@ def test_a_film_that_was_saved_at_another_rate_is_found(tmp_path, order, cycle):
 def test_it_is_said_once_a_film_in_frames_of_the_trial(tmp_path):
     write(tmp_path / "film.avi", walking(), FROZEN)
     views = tuple(
-        View(name=name, video="film.avi", points=("a",), crop=crop, offset=10)
+        View(name=name, video="film.avi", points=("a",), crop=crop, offset=30)
         for name, crop in (("left", (0, 0, 120, 96)), ("right", (120, 0, 240, 96)))
     )
     trial = Trial(
         kind="paws", name="t", fps=60.0, animal=Animal(id="a"), folder=tmp_path, views=views
     )
     with open_views(trial) as opened:
-        freezes = freezes_of_views(trial, opened, start=0, stop=80)
-        assert freezes == {"left": [(30, 38)], "right": [(30, 38)]}
+        # file frames 30 to 54 are asked for; frames 0 to 24 of the file have no freeze
+        freezes = freezes_of_views(trial, opened, start=0, stop=25)
+        assert freezes == {"left": [(10, 18)], "right": [(10, 18)]}
         (said,) = tell_freezes(opened, freezes)
-        assert "stands still in frames 30 to 37: " in said
-        assert tell_repeats(trial, opened, start=0, stop=80) == []
+        assert "stands still in frames 10 to 17: " in said
+        assert tell_repeats(trial, opened, start=0, stop=60) == []
+        many = {"left": [(10, 18), (20, 24), (30, 40), (50, 53), (55, 59)]}
+        (said,) = tell_freezes(opened, many)
+        assert "in frames 10 to 17, 20 to 23, 30 to 39 and 2 more times: " in said
 
 
 def test_a_film_shown_twice_says_how_many_pictures_are_new(tmp_path):
@@ -105,6 +118,19 @@ def test_a_film_shown_twice_says_how_many_pictures_are_new(tmp_path):
         (said,) = tell_repeats(trial, opened, start=0, stop=2 * N)
     assert "every picture twice" in said
     assert "of 60 pictures a second only 30 are new" in said
+
+
+def test_a_film_with_every_fifth_picture_again_behind_a_part_without_is_told(tmp_path):
+    # 24 pictures a second made 30 have four of five new: 48 of 60; the trial begins behind 60
+    write(tmp_path / "film.avi", walking(), [*range(60), *reversed(AS_TELEVISION)])
+    view = View(name="side", video="film.avi", points=("a",), offset=60)
+    trial = Trial(
+        kind="paws", name="t", fps=60.0, animal=Animal(id="a"), folder=tmp_path, views=(view,)
+    )
+    with open_views(trial) as opened:
+        (said,) = tell_repeats(trial, opened, start=0, stop=100)
+    assert "one picture of every 5 again" in said
+    assert "of 60 pictures a second only 48 are new" in said
 
 
 @pytest.mark.slow
