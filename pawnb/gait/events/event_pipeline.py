@@ -120,9 +120,7 @@ def analyse_space(
     max_gap = round(scales.max_gap_s * fs)
     smooth = partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
     raw = frame.fore_aft(feet.positions)
-    position = smooth(raw)
-    bridged_feet = fill_gaps_of_points(feet.positions, max_gap=max_gap)
-    displacement = displacement_along(smooth(bridged_feet), frame.forward)
+    position, displacement = smooth(raw), displacement_along(smooth(feet.positions), frame.forward)
     turning, how = position, f"fore-aft position ({frame.method})"
     if feet.angle_deg is not None:
         turning, how = smooth(feet.angle_deg), "leg angle"
@@ -200,9 +198,11 @@ def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, Bo
 
 def _smooth(x: FloatArray, cutoff_hz: float | None, fs: float, max_gap: int) -> FloatArray:
     """Bridge short gaps and, where there is a cut-off, low-pass."""
-    if cutoff_hz is None:
-        return fill_gaps(x, max_gap=max_gap)
-    return butterworth_lowpass(x, cutoff_hz=cutoff_hz, fs_hz=fs, max_gap=max_gap)
+    fill = fill_gaps_of_points if x.ndim == 3 else fill_gaps
+    filled = fill(x, max_gap=max_gap)
+    return (
+        filled if cutoff_hz is None else butterworth_lowpass(filled, cutoff_hz=cutoff_hz, fs_hz=fs)
+    )
 
 
 def _extremes_of_feet(

@@ -193,7 +193,7 @@ def test_split_belts_are_said_and_each_side_by_itself_has_the_speed_of_its_belt(
     (note,) = (n for n in analyse(fast).notes if "split belts" in n)
     assert "--legs FL HL and --legs FR HR" in note
     told = re.search(
-        r"of the left go backwards at (\S+) px/s and those of the right at (\S+),", note
+        r"of the left go backwards at (\S+) mm/s and those of the right at (\S+),", note
     )
     assert [float(x) for x in told.groups()] == pytest.approx([400.0, 200.0], rel=0.02)
     assert any("split belts" in n for n in analyse(fast, belt_speed=300.0).notes)

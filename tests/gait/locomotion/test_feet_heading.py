@@ -62,3 +62,13 @@ def test_no_front_is_made_up():
     assert heading_of_feet(one_foot[:, :, :1], path, up=None, cutoff_hz=1.3, fs_hz=FS) is None
     noise = np.random.default_rng(0).standard_normal((len(T), 2, 4))
     assert heading_of_feet(noise, path, up=None, cutoff_hz=1.3, fs_hz=FS) is None
+
+
+@pytest.mark.parametrize("seen", [0.4, 0.6])
+def test_feet_that_are_seen_together_in_less_than_half_of_the_time_tell_no_heading(seen):
+    # gaps between are bridged: it is the ends that lack
+    heading = 0.5 * T
+    positions, path = walked(heading)
+    positions[int(seen * len(T)) :, :, 0] = np.nan
+    found = heading_of_feet(positions, path, up=None, cutoff_hz=4 / 3, fs_hz=FS)
+    assert (found is None) == (seen < 0.5)
