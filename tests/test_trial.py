@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import pytest
 from hypothesis import given
@@ -330,8 +330,11 @@ def test_parts_made_in_python_are_checked(part, fields):
 
 
 def test_what_is_meant_is_taken(tmp_path):
-    """Paths for text, lists for tuples and whole numbers for numbers change nothing."""
-    view = View(name="a", video=Path("b") / "c.avi", crop=[0, 0, 5, 5])
+    """Paths for text, lists for tuples and whole numbers for numbers change nothing.
+
+    A path of Windows is written as every system reads it.
+    """
+    view = View(name="a", video=PureWindowsPath("b") / "c.avi", crop=[0, 0, 5, 5])
     trial = made(folder=str(tmp_path), views=[view], frames=[0, 5])
     assert trial == made(
         folder=tmp_path,

@@ -173,9 +173,9 @@ def _fit(value: Any, kind: Any) -> Any:
         if is_number and abs(value) < _MOST and (kind is float or value == value // 1):
             return kind(value)
         return None
-    if kind in (str, Path) and isinstance(value, os.PathLike):
-        return kind(value)
-    if kind is Path and isinstance(value, str):
+    if kind is str and isinstance(value, os.PathLike):
+        return Path(value).as_posix()  # no backslashes of Windows: what is written is read anywhere
+    if kind is Path and isinstance(value, str | os.PathLike):
         return Path(value)
     return value if kind is Any or (kind is not tuple and _is_a(value, kind)) else None
 

@@ -254,7 +254,7 @@ class NewTrial:
         try:
             return Path(os.path.relpath(path, self.folder)).as_posix()
         except ValueError:  # on another drive
-            return str(path.resolve())
+            return path.resolve().as_posix()
 
 
 def new_trial(videos: Sequence[str | Path], folder: str | Path | None = None) -> NewTrial:

@@ -126,7 +126,10 @@ def _what(paths: Sequence[str | Path]) -> tuple[Path, list[Path]]:
 
 def _listed(videos: Sequence[Path], folder: Path) -> str:
     """Return videos as a Python list, relative to the page where that can be said."""
-    return repr([Path(os.path.relpath(video, folder)).as_posix() for video in videos])
+    try:
+        return repr([Path(os.path.relpath(video, folder)).as_posix() for video in videos])
+    except ValueError:  # one is on another drive
+        return repr([video.resolve().as_posix() for video in videos])
 
 
 def _is_ours(path: Path) -> bool:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import json
+import ntpath
 import os
 import shutil
 import subprocess
 import sys
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 import numpy as np
 import pandas as pd
@@ -27,6 +28,7 @@ from pawnb.trial import Animal, Calibration, Trial
 from pawnb.workflow import save_figures
 from pawnb.workflow.evaluation.compare import draw_comparison
 from pawnb.workflow.gait.run import run_gait
+from pawnb.workflow.provenance import labels
 from pawnb.workflow.provenance.find_inputs import find_inputs
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.recipes import read_recipe
@@ -162,6 +164,28 @@ def test_labels_tell_inputs_of_one_name_apart_and_hold_no_absolute_path(tmp_path
     assert list(label_inputs(paths).values()) == ["a/results/tracks.nc", "b/results/tracks.nc"]
     assert list(label_inputs(paths[:1]).values()) == ["results/tracks.nc"]
     assert label_inputs([]) == {}
+
+
+class _OnADrive(PureWindowsPath):
+    """A path of Windows that needs no Windows to be resolved."""
+
+    def resolve(self):
+        return self
+
+
+def _labels_on_drives(monkeypatch, *paths):
+    monkeypatch.setattr(labels.os, "path", ntpath)
+    return list(label_inputs([_OnADrive(path) for path in paths]).values())
+
+
+def test_labels_tell_inputs_on_several_drives_apart(monkeypatch):
+    """Results of every trial are called tracks.nc; one stood for all of them in the record."""
+    two = _labels_on_drives(monkeypatch, r"D:\lab\m1\results\tracks.nc", r"E:\m2\results\tracks.nc")
+    assert two == ["m1/results/tracks.nc", "m2/results/tracks.nc"]
+    copies = _labels_on_drives(monkeypatch, r"D:\m1\tracks.nc", r"\\pc\films\m1\tracks.nc")
+    assert copies == ["d/m1/tracks.nc", "films/m1/tracks.nc"]
+    other = _labels_on_drives(monkeypatch, r"D:\m1\tracks.nc", r"E:\m1\events.csv")
+    assert other == ["m1/tracks.nc", "m1/events.csv"]
 
 
 def test_inputs_are_told_by_their_checksums_though_folders_were_renamed(tmp_path):

@@ -1,6 +1,7 @@
 """How far a trial is, by what lies beside its trial.toml, and the page that shows it."""
 
 import json
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -128,6 +129,16 @@ def test_a_page_is_written_for_a_folder_a_trial_or_videos(folder, tmp_path):
     ):
         with pytest.raises(InputError, match=words):
             write_page(paths)
+
+
+def test_a_page_of_videos_on_several_drives_names_them_whole(folder, monkeypatch):
+    def other_drive(path, start):
+        raise ValueError("path is on mount 'E:', start on mount 'D:'")
+
+    monkeypatch.setattr(os.path, "relpath", other_drive)
+    video = folder / "cam1.avi"
+    page = write_page([video])
+    assert source(page).endswith(f"videos=[{video.resolve().as_posix()!r}])")
 
 
 def test_a_notebook_of_somebody_else_is_left_as_it_is(tmp_path):
