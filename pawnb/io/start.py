@@ -14,6 +14,8 @@ from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 
+FILM_COLUMN = "film"
+"""Code of the film in which a point was clicked, in files that the widget wrote."""
 _OWN_FORMATS = ("csv", "csv-3d", "pawnb")
 
 
@@ -66,6 +68,30 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     return table
 
 
+def clicked_films(path: str | Path) -> dict[str, set[str]]:
+    """Return the codes of the films in which points were clicked, as far as a file has them.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``start.csv``; clicks of other programs, and those typed by hand, have no such codes.
+
+    Returns
+    -------
+    dict of str to set of str
+        Codes (:func:`pawnb.core.video.doubts.exchanged_films.film_code`) by view.
+
+    Raises
+    ------
+    InputError
+        If the file is no such table.
+    """
+    cells = read_cells(path, START_COLUMNS)
+    if FILM_COLUMN not in cells:
+        return {}
+    return {str(view): set(own) - {""} for view, own in cells.groupby("view")[FILM_COLUMN]}
+
+
 def check_start(
     start: pd.DataFrame, trial: Trial, sizes: Mapping[str, tuple[int, int]]
 ) -> pd.DataFrame:
@@ -109,7 +135,8 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     Parameters
     ----------
     start : DataFrame
-        Columns ``frame, view, point, u, v``.
+        Columns ``frame, view, point, u, v``, and ``film`` where it is known in which film each
+        was clicked.
     path : str or Path
         The file.
 
@@ -126,7 +153,8 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     'start.csv'
     """
     check_columns(start, START_COLUMNS, where="start clicks")
-    return write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
+    columns = [*START_COLUMNS, *([FILM_COLUMN] if FILM_COLUMN in start else [])]
+    return write_table(start[columns].reset_index(drop=True), path)
 
 
 def _refuse_other_programs(path: Path, trial: Trial) -> None:

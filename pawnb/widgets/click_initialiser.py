@@ -10,6 +10,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
 from pawnb.errors import InputError
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, ViewSource
@@ -90,8 +91,11 @@ class ClickInitialiser(FrameCanvas):
             start=start,
             rig=view_rig(trial, shown) if rig is None else rig,
             path=path,
+            films=film_codes(shown.readers),
         )
         self._proposal = self._reason = ""
+        exchanged = tell_exchanged_films(self.session.films, self.session.clicked_films())
+        self._exchanged = "".join(f"⚠ {text}.\n" for text in exchanged)
         if propose:
             self._propose(trial, propose)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
@@ -176,7 +180,7 @@ class ClickInitialiser(FrameCanvas):
         contradiction = what_contradicts(session)
         warned = f"⚠ {contradiction}\n" if contradiction else ""
         clicked = f"{there} " if (there := session.clicked()) else ""
-        state = f"{warned}{said}{clicked}{session.missing()} {file}"
+        state = f"{self._exchanged}{warned}{said}{clicked}{session.missing()} {file}"
         actions: list[dict[str, Any]] = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],
              "title": "The point that is asked for cannot be seen in this view (H)",

@@ -15,7 +15,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
-from pawnb.io.start import write_start
+from pawnb.io.start import FILM_COLUMN, write_start
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 from pawnb.widgets.draft import Draft
@@ -55,6 +55,8 @@ class StartSession(Draft[_StartState]):
     path : str or Path, optional
         Where the clicks go; default the trial's ``[start] points``, else ``start.csv``
         beside the trial.
+    films : mapping of str to str, optional
+        Code of each view's film, kept beside its clicks: films may be exchanged later.
 
     Attributes
     ----------
@@ -64,6 +66,8 @@ class StartSession(Draft[_StartState]):
         View and point asked for next; None where all are placed or marked as hidden.
     clicks : dict
         (frame, view, point) to (u, v) in px.
+    films : dict
+        Code of each view's film.
     hidden : frozenset
         (frame, view, point) marked as hidden.
     proposed : dict
@@ -86,6 +90,7 @@ class StartSession(Draft[_StartState]):
         start: pd.DataFrame | None = None,
         rig: Rig | None = None,
         path: str | Path | None = None,
+        films: Mapping[str, str] | None = None,
     ) -> None:
         super().__init__(
             Path(path) if path else trial.path(trial.start_points or "start.csv"), span
@@ -98,6 +103,7 @@ class StartSession(Draft[_StartState]):
         self.points = tuple(every)
         self.colours = point_colours(self.points)
         clicks = {} if start is None else self._clicks_of(start)
+        self.films, self._earlier_films = dict(films or {}), _films_of(start)
         if frame is None:
             frame = min((f for f, _, _ in clicks), default=span[0])
         self._state = _StartState(clicks=clicks, frame=self._checked_frame(frame))
@@ -121,6 +127,13 @@ class StartSession(Draft[_StartState]):
     def hidden(self) -> frozenset[Slot]:
         """Every (frame, view, point) marked as hidden."""
         return self._state.hidden
+
+    def clicked_films(self) -> dict[str, set[str]]:
+        """Return by view in which films there were clicks already, as codes."""
+        films: dict[str, set[str]] = {}
+        for (_, view, *_), code in self._earlier_films.items():
+            films.setdefault(view, set()).add(code)
+        return films
 
     def table(self) -> pd.DataFrame:
         """Return the clicks as they are saved: frame, view, point, u, v, in a fixed order."""
@@ -306,7 +319,10 @@ class StartSession(Draft[_StartState]):
         self._offer_next()
 
     def _write(self) -> None:
-        write_start(self.table(), self.path)
+        table = self.table()
+        rows = table.itertuples(index=False, name=None)
+        codes = [self._earlier_films.get(row, self.films.get(row[1], "")) for row in rows]
+        write_start(table.assign(**{FILM_COLUMN: codes}) if any(codes) else table, self.path)
 
     def _look_at_change(self, before: _StartState) -> None:
         """Look at the frame where something changed, and ask for what is open again."""
@@ -330,3 +346,11 @@ class StartSession(Draft[_StartState]):
             self._check(view, point)
             clicks[self._checked_frame(int(frame)), view, point] = (float(u), float(v))
         return clicks
+
+
+def _films_of(start: pd.DataFrame | None) -> dict[tuple[Any, ...], str]:
+    """Return in which film each click of a table was made, as far as the table has it."""
+    if start is None or FILM_COLUMN not in start:
+        return {}
+    rows = start[[*START_COLUMNS, FILM_COLUMN]].itertuples(index=False, name=None)
+    return {row[:-1]: str(row[-1]) for row in rows}

@@ -11,9 +11,10 @@ from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
 from pawnb.errors import PawnbError
 from pawnb.io.lengths import MM_PER_UNIT
-from pawnb.io.start import check_start, read_start
+from pawnb.io.start import check_start, clicked_films, read_start
 from pawnb.trial import Calibration, Trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks, tell_one_place
@@ -76,6 +77,8 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         f"frame{'s' if len(clicked) > 1 else ''} {', '.join(map(str, clicked))}"
     )
     report.doubts += tell_one_place(clicks)
+    if films := clicked_films(trial.path(file)):
+        report.doubts += tell_exchanged_films(film_codes(views.readers), films)
     _check_predictions(trial, views, clicks, frames, report)
     if not report.faults and (rig is not None or len(views.names) == 1):
         _doubt_colours(trial, views, rig, clicks, report)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +70,7 @@ def as_described_now(tracks: Tracks, trial: Trial) -> Tracks:
         "before; put it back, or click and track again"
         for name in _replaced_films(tracks, trial)
     ]
+    said += tell_exchanged_views(_record(tracks), trial)
     said += _other_pictures(before, trial, sizes or {})
     if said:
         text = f"{trial.name}: since it was tracked, {'; '.join(said)}."
@@ -114,8 +115,46 @@ def _inputs(tracks: Tracks, what: str = "inputs") -> dict[str, Any]:
 
     Or what else the record says of each, such as ``film_bytes``.
     """
+    return _record(tracks).get(what) or {}
+
+
+def _record(tracks: Tracks) -> dict[str, Any]:
+    """Return the record of tracking that tracks carry; empty where they carry none."""
     made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    return (made[-1].get(what) or {}) if made else {}
+    return made[-1] if made else {}
+
+
+def tell_exchanged_views(record: Mapping[str, Any], trial: Trial) -> list[str]:
+    """Say which views name the film that another view had when the trial was tracked.
+
+    Parameters
+    ----------
+    record : mapping
+        The record of tracking then; of a trial that was not tracked, empty.
+    trial : Trial
+        The trial as it is now.
+
+    Returns
+    -------
+    list of str
+        A sentence for each such view. Films that were moved, renamed or compressed again are not
+        those of another view.
+    """
+    films, known = record.get("films") or {}, record.get("inputs") or {}
+    said = []
+    for view in trial.views:
+        was, now = films.get(view.name), name_on_record(view.video)
+        others = [other for other, film in films.items() if film == now]
+        if was in (None, now) or not others or known.get(now) == known.get(was):
+            continue
+        film = trial.path(view.video)
+        if film.exists() and file_checksum(film) == known.get(now):
+            said.append(
+                f"view {view.name} was given {now}, the film that {' and '.join(others)} had, in "
+                f"place of {was}: clicks, tracks and corrections of {view.name} are of {was}; put "
+                "it back, or click and track again"
+            )
+    return said
 
 
 def _replaced_films(tracks: Tracks, trial: Trial) -> list[str]:

@@ -18,6 +18,7 @@ from pawnb.workflow.provenance.notes import noted_warnings
 from pawnb.workflow.provenance.record import (
     build_step,
     film_sizes,
+    name_on_record,
     trial_checksums,
     trial_fingerprint,
 )
@@ -177,6 +178,7 @@ def record_of_run(
         frames=list(frames),
         trial=trial_fingerprint(trial),
         film_bytes=film_sizes(trial),
+        films={view.name: name_on_record(view.video) for view in trial.views},
         start=start,
         **more,
     )

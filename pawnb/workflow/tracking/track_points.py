@@ -16,14 +16,22 @@ from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
 from pawnb.input_warnings import warn_of_input
+from pawnb.io.start import clicked_films
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.workflow.calibration.real_units import in_real_units
-from pawnb.workflow.provenance.manifest import run_alone
-from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
+from pawnb.workflow.provenance.manifest import known_files, run_alone
+from pawnb.workflow.provenance.mended_trial import tell_exchanged_views
+from pawnb.workflow.provenance.results import (
+    describe_trial,
+    make_folder,
+    results_folder,
+    write_track_results,
+)
 from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks, tell_one_place
 from pawnb.workflow.start.turned_axes import tell_turned_axes
@@ -77,8 +85,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
-        doubts = tell_one_place(clicks)
-        doubts += [] if rig is None else _doubt_clicks(rig, clicks)
+        doubts = _doubt_films(trial, views, clicks) if asked.start is None else []
+        doubts += _doubt_clicks(rig, clicks)
         freezes = _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:
@@ -119,9 +127,24 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
     return tracks
 
 
-def _doubt_clicks(rig: Rig, clicks: pd.DataFrame) -> list[str]:
-    """Say what looks wrong in the clicks as they lie in space."""
-    return [*tell_exchanged_clicks(rig, clicks), *tell_turned_axes(rig, clicks)]
+def _doubt_clicks(rig: Rig | None, clicks: pd.DataFrame) -> list[str]:
+    """Say what looks wrong in the clicks, and in how they lie in space."""
+    doubts = tell_one_place(clicks)
+    if rig is None:
+        return doubts
+    return [*doubts, *tell_exchanged_clicks(rig, clicks), *tell_turned_axes(rig, clicks)]
+
+
+def _doubt_films(trial: Trial, views: ViewSet, clicks: pd.DataFrame) -> list[str]:
+    """Say which views show films in which others were clicked, or tracked from these clicks."""
+    file = trial.start_file()
+    films = {} if file is None else clicked_films(trial.path(file))
+    if films and (said := tell_exchanged_films(film_codes(views.readers), films)):
+        return said
+    tracked = [one for one in known_files(results_folder(trial)).steps if one["step"] == "track"]
+    if not tracked or tracked[-1].get("start") != clicks.to_dict(orient="records"):
+        return []
+    return tell_exchanged_views(tracked[-1], trial)
 
 
 def _tell_doubts(

@@ -16,6 +16,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.schema import add_provenance, make_tracks
 from pawnb.trial import load_trial
+from pawnb.widgets import ClickInitialiser
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.provenance.results import write_track_results
 
@@ -352,6 +353,35 @@ def test_one_film_given_for_two_views_is_doubted(small_trial):
     shutil.copy(small_trial / "cam1.avi", small_trial / "cam2.avi")
     doubts = check_trial(small_trial).doubts
     assert any("views cam1 and cam2 begin with the same picture" in doubt for doubt in doubts)
+
+
+@pytest.mark.slow
+def test_films_exchanged_after_they_were_clicked_are_doubted(small_trial):
+    """The widget keeps in which film a click was made; names swapped in trial.toml, then files."""
+    clicks = pd.read_csv(small_trial / "start.csv")
+    (small_trial / "start.csv").unlink()
+    widget = ClickInitialiser(small_trial)
+    for row in clicks.itertuples():
+        widget.session.go(row.frame)
+        widget.session.place(row.view, row.point, row.u, row.v)
+    widget.close()
+    text = (small_trial / "trial.toml").read_text()
+
+    def exchanged():
+        return [d for d in check_trial(small_trial).doubts if "was clicked in another film" in d]
+
+    assert not exchanged()
+    names = {"cam1.avi": "cam2.avi", "cam2.avi": "cam1.avi"}
+    swapped = re.sub("cam[12].avi", lambda name: names[name[0]], text)
+    (small_trial / "trial.toml").write_text(swapped)
+    first, second = exchanged()
+    assert first.startswith("view cam1 was clicked in another film than it shows now")
+    assert "in which cam1 was clicked" in second
+    again = ClickInitialiser(small_trial)
+    assert "view cam1 was clicked in another film" in again.status
+    again.session.place("cam1", "FR", 100.0, 80.0)  # which makes the others no better
+    again.close()
+    assert len(exchanged()) == 2
 
 
 def test_a_film_that_looks_interlaced_though_it_does_not_say_so_is_doubted(small_trial):

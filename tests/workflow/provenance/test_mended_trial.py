@@ -98,6 +98,28 @@ def test_a_film_on_another_drive_that_was_replaced_is_said(trial, tmp_path_facto
         as_described_now(tracks, trial)
 
 
+def test_films_that_views_exchanged_in_trial_toml_are_said(trial, recwarn):
+    """Every film is there, under its name, and in the other view; renamed ones are fine."""
+    side = trial.views[0]
+    (trial.folder / "w.avi").write_bytes(b"other one")
+    two = replace(trial, views=(side, replace(side, name="top", video="w.avi")))
+    tracks = tracked(two, films={"side": "v.avi", "top": "w.avi"})
+    exchanged = replace(
+        trial, views=(replace(side, video="w.avi"), replace(side, name="top", video="v.avi"))
+    )
+    with pytest.warns(InputWarning, match=r"view side was given w\.avi, the film that top had, in"):
+        as_described_now(tracks, exchanged)
+    recwarn.clear()
+    (trial.folder / "v.avi").rename(trial.folder / "new.avi")
+    renamed = replace(two, views=(replace(side, video="new.avi"), two.views[1]))
+    assert as_described_now(tracks, renamed) is tracks
+    # both files have the other's name, and so has trial.toml
+    (trial.folder / "w.avi").rename(trial.folder / "v.avi")
+    (trial.folder / "new.avi").rename(trial.folder / "w.avi")
+    as_described_now(tracks, exchanged)
+    assert not recwarn.list
+
+
 def test_another_film_of_the_same_name_is_said(trial, recwarn):
     tracks = tracked(trial)
     written = trial.folder / "results" / "tracks.nc"

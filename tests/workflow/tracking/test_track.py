@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 from fractions import Fraction
 from types import SimpleNamespace
 
@@ -12,9 +13,12 @@ import pandas as pd
 import pytest
 
 from pawnb.core.rig import Rig, load_rig
+from pawnb.core.video import open_views
+from pawnb.core.video.doubts.exchanged_films import film_codes
 from pawnb.errors import CalibrationError, InputError, InputWarning
 from pawnb.gait import body_angles
 from pawnb.io.native import read_tracks
+from pawnb.io.start import write_start
 from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
 from pawnb.workflow.evaluation.errors import count_errors
@@ -50,6 +54,26 @@ def test_files_and_columns_are_those_of_the_contract(tracked):
     assert tuple(pd.read_csv(out / "tracks.csv").columns) == TRACKS_COLUMNS
     assert tuple(pd.read_csv(out / "points3d.csv").columns) == POINTS3D_COLUMNS
     assert tuple(pd.read_csv(out / "suspects.csv").columns) == SUSPECTS_COLUMNS
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("known_by", ["clicks", "tracks"])
+def test_films_exchanged_since_they_were_clicked_or_tracked_are_said(small_trial, known_by):
+    """Clicks of a script know no film, but the tracks that were made from them do."""
+    file, text = small_trial / "start.csv", (small_trial / "trial.toml").read_text()
+    if known_by == "clicks":
+        with open_views(load_trial(small_trial)) as views:
+            codes = film_codes(views.readers)
+        clicks = pd.read_csv(file)
+        write_start(clicks.assign(film=clicks["view"].map(codes)), file)
+    else:
+        track(small_trial, method="paper", frames=FRAMES, out=small_trial / "results")
+    names = {"cam1.avi": "cam2.avi", "cam2.avi": "cam1.avi"}
+    (small_trial / "trial.toml").write_text(re.sub("cam[12].avi", lambda m: names[m[0]], text))
+    said = {"clicks": "view cam1 was clicked in another film", "tracks": "view cam1 was given cam2"}
+    with pytest.warns(InputWarning) as told:
+        track(small_trial, method="paper", frames=FRAMES)
+    assert any(str(one.message).startswith(said[known_by]) for one in told)
 
 
 @pytest.mark.slow
