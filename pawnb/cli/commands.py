@@ -268,16 +268,24 @@ def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_reproduce(options: argparse.Namespace, _argv: list[str]) -> int:
     """Make files again and say whether they are the same."""
-    from pawnb.workflow.provenance.reproduce import EXIT_DIFFERS, made_files, reproduce_all
+    from pawnb.workflow.provenance.reproduce import (
+        EXIT_DIFFERS,
+        made_files,
+        reproduce_all,
+        tell_not_made,
+    )
 
     named = map(Path, options.files)
     files = [file for path in named for file in (made_files(path) if path.is_dir() else [path])]
     found = reproduce_all(files, inputs=options.inputs)
     for one in found:
-        print(one.text())
+        if len(found) > 1 or one.fault is None:
+            print(one.text())
     same = sum(one.identical for one in found)
     if len(found) > 1:
-        print(f"{same} of {len(found)} identical")
+        print(f"{same} of {len(found)} identical", flush=True)
+    if (fault := tell_not_made(found)) is not None:
+        raise InputError(fault)
     return 0 if same == len(found) else EXIT_DIFFERS
 
 

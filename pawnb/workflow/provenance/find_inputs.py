@@ -66,10 +66,13 @@ def find_inputs(
     Raises
     ------
     InputError
-        If one is nowhere, or only with another content.
+        If any are nowhere, or only with another content; all of them are named.
     """
     places = list(places)
-    found = {}
+    found: dict[str, Path] = {}
+    changed: list[str] = []
+    absent: list[str] = []
+    others: list[Path] = []
     for label, checksum in checksums.items():
         parts = Path(label).parts
         tails = [Path(*parts[k:]) for k in range(len(parts))]
@@ -81,19 +84,36 @@ def find_inputs(
             else [f for place in places[:_NEAREST_PLACES] for f in _within(place, label)]
         )
         same = next((file for file in (*there, *near) if file_checksum(file) == checksum), None)
-        if same is None and there:
-            raise InputError(
-                f"{there[0]} has changed since {Path(of).name} was made of it, so that cannot be "
-                "made again; put the file from then back, or make it anew."
-            )
-        if same is None:
-            other = f" ({near[0]} has another content)" if near else ""
-            raise InputError(
-                f"{label}, of which {Path(of).name} was made, is not there{other}; name the folder "
-                "that holds it with --inputs."
-            )
-        found[label] = same
+        if same is not None:
+            found[label] = same
+        elif there:
+            changed.append(str(there[0]))
+        else:
+            absent.append(label)
+            others += near[:1]
+    if changed or absent:
+        raise InputError(_say_missing(changed, absent, others, of=Path(of).name))
     return found
+
+
+def _say_missing(changed: list[str], absent: list[str], others: list[Path], *, of: str) -> str:
+    """Name the inputs that have changed, and those that are not there."""
+    said = []
+    if changed:
+        one = len(changed) == 1
+        said.append(
+            f"{' and '.join(changed)} {'has' if one else 'have'} changed since {of} was made of "
+            f"{'it' if one else 'them'}, so that cannot be made again; put the "
+            f"file{'' if one else 's'} from then back, or make it anew"
+        )
+    if absent:
+        one = len(absent) == 1
+        other = f" ({' and '.join(map(str, others))} has another content)" if others else ""
+        said.append(
+            f"{' and '.join(absent)}, of which {of} was made, {'is' if one else 'are'} not there"
+            f"{other}; name the folder that holds {'it' if one else 'them'} with --inputs"
+        )
+    return f"{'; and '.join(said)}."
 
 
 def _within(place: Path, label: str) -> list[Path]:

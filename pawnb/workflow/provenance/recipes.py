@@ -5,14 +5,14 @@ from __future__ import annotations
 import html
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from pawnb.errors import InputError
 from pawnb.files import check_file, read_bytes
-from pawnb.workflow.provenance.manifest import MANIFEST, read_manifest
+from pawnb.workflow.provenance.manifest import MANIFEST, Manifest, read_manifest
 
 _PDF_ESCAPES = {b"n": b"\n", b"r": b"\r", b"t": b"\t", b"b": b"\b", b"f": b"\f"}
 _MOST_RECIPE_BYTES = 64 << 20
@@ -61,6 +61,11 @@ def read_recipe(path: str | Path) -> Recipe:
     InputError
         If there is no such file, or it carries none.
     """
+    if not Path(path).exists() and next(_listings(Path(path)), None) is not None:
+        raise InputError(
+            f"{path}: no such file, though {MANIFEST} lists it; put it back, or run anew what made "
+            "it."
+        )
     path = check_file(path, expected="a figure or a table that pawnb made")
     reader = _FIGURES.get(path.suffix.lower())
     text = None if reader is None else reader(path)
@@ -84,11 +89,7 @@ def read_recipe(path: str | Path) -> Recipe:
 
 def _of_manifest(path: Path) -> Recipe:
     """Return the recipe of a file of a folder of results."""
-    for folder in path.absolute().parents[:2]:
-        manifest = read_manifest(folder)
-        name = path.absolute().relative_to(folder).as_posix()
-        if manifest is None or name not in manifest.files:
-            continue
+    for manifest, name in _listings(path):
         run = manifest.files[name]["run"]
         steps = manifest.steps_of("gait" if run == "gait" else "track")
         if steps:
@@ -98,6 +99,15 @@ def _of_manifest(path: Path) -> Recipe:
         f"{path}: nothing says how this file was made; expected a figure with its recipe, or a "
         f"file that a {MANIFEST} beside it lists."
     )
+
+
+def _listings(path: Path) -> Iterator[tuple[Manifest, str]]:
+    """Give the lists that name a file, beside it or above, with its name there."""
+    for folder in path.absolute().parents[:2]:
+        manifest = read_manifest(folder)
+        name = path.absolute().relative_to(folder).as_posix()
+        if manifest is not None and name in manifest.files:
+            yield manifest, name
 
 
 def _png_text(path: Path) -> str | None:

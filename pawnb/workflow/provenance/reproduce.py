@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,7 +16,7 @@ from pawnb import figures
 from pawnb.core.edits.log import replay
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.video import open_views
-from pawnb.errors import InputError
+from pawnb.errors import InputError, PawnbError
 from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
@@ -35,6 +35,7 @@ from pawnb.workflow.tracking.track import retrack, track
 from pawnb.workflow.tracking.trial_views import trial_rig
 
 EXIT_DIFFERS = 3
+_MOST_SHOWN = 4
 _EDITS = "edits.jsonl"
 
 
@@ -50,19 +51,24 @@ class Reproduction:
         In what the new one differs; None where it is the same, byte for byte.
     versions : str or None
         Which packages have other versions than those it was made with.
+    fault : str or None
+        Why it could not be made again.
     """
 
     path: Path
     difference: str | None
     versions: str | None
+    fault: str | None = None
 
     @property
     def identical(self) -> bool:
-        """Whether every byte is the same."""
-        return self.difference is None
+        """Whether it was made again, and every byte is the same."""
+        return self.difference is None and self.fault is None
 
     def text(self) -> str:
         """Return what was found, in one line."""
+        if self.fault is not None:
+            return f"{self.path}: not made again"
         if self.difference is None:
             return f"{self.path}: identical"
         why = f" (made with {self.versions})" if self.versions else ""
@@ -100,7 +106,10 @@ def reproduce(path: str | Path, *, inputs: str | Path | None = None) -> Reproduc
     >>> pawnb.reproduce("sample/results/strides.csv").identical
     True
     """
-    return reproduce_all([path], inputs=inputs)[0]
+    (found,) = reproduce_all([path], inputs=inputs)
+    if found.fault is not None:
+        raise InputError(found.fault)
+    return found
 
 
 def reproduce_all(
@@ -118,21 +127,59 @@ def reproduce_all(
     Returns
     -------
     list of Reproduction
-        What came of each, in their order.
-
-    Raises
-    ------
-    InputError
-        As for :func:`reproduce`, before anything is made again.
+        What came of each, in their order; of those that cannot be made again, why.
     """
+    found: dict[Path, Reproduction] = {}
+    for run in _runs(map(Path, paths), found):
+        try:
+            found |= _make(run, inputs)
+        except PawnbError as error:
+            found |= {path: _not_made(path, error) for path, _ in run}
+    return [found[Path(path)] for path in paths]
+
+
+def tell_not_made(found: Sequence[Reproduction]) -> str | None:
+    """Say which files could not be made again, and why.
+
+    Parameters
+    ----------
+    found : sequence of Reproduction
+        What came of files.
+
+    Returns
+    -------
+    str or None
+        One sentence; None where all were made.
+    """
+    by_reason: dict[str, list[str]] = {}
+    for one in found:
+        if one.fault is not None:
+            reason = one.fault.removeprefix(f"{one.path}: ").rstrip(".")
+            by_reason.setdefault(reason, []).append(one.path.name)
+    if len(found) == 1 or not by_reason:
+        return found[0].fault if by_reason else None
+    said = [
+        ", ".join(names[:_MOST_SHOWN])
+        + (f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else "")
+        + f": {reason}"
+        for reason, names in by_reason.items()
+    ]
+    n = sum(map(len, by_reason.values()))
+    return f"{n} of {len(found)} files could not be made again: {'; '.join(said)}."
+
+
+def _runs(
+    paths: Iterable[Path], refused: dict[Path, Reproduction]
+) -> list[list[tuple[Path, Recipe]]]:
+    """Return files with their recipes, those of one run together; add those without to refused."""
     together: dict[tuple[str, str], list[tuple[Path, Recipe]]] = {}
     tables: dict[str, list[tuple[Path, Recipe]]] = {}
-    for path in map(Path, paths):
-        recipe = read_recipe(path)
-        if recipe.kind not in _MAKERS:
-            raise InputError(
-                f"{path}: made by {recipe.kind!r}, which this version cannot do again."
-            )
+    for path in paths:
+        try:
+            recipe = _known_recipe(path)
+        except PawnbError as error:
+            refused[path] = _not_made(path, error)
+            continue
         step, style = (json.dumps(own, sort_keys=True) for own in (recipe.step, recipe.style))
         if path.suffix.lower() in FIGURE_ENDINGS:
             together.setdefault((step, style), []).append((path, recipe))
@@ -142,8 +189,20 @@ def reproduce_all(
     for step, own_tables in tables.items():
         key = next((key for key in together if key[0] == step), (step, ""))
         together.setdefault(key, []).extend(own_tables)
-    found = {path: one for same in together.values() for path, one in _make(same, inputs).items()}
-    return [found[Path(path)] for path in paths]
+    return list(together.values())
+
+
+def _known_recipe(path: Path) -> Recipe:
+    """Return how a file was made, if this version can do it again."""
+    recipe = read_recipe(path)
+    if recipe.kind not in _MAKERS:
+        raise InputError(f"{path}: made by {recipe.kind!r}, which this version cannot do again.")
+    return recipe
+
+
+def _not_made(path: Path, error: PawnbError) -> Reproduction:
+    """Return that a file cannot be made again, and why."""
+    return Reproduction(path, None, None, fault=str(error))
 
 
 def made_files(folder: str | Path) -> list[Path]:

@@ -33,7 +33,7 @@ from pawnb.workflow.provenance.find_inputs import find_inputs
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.recipes import read_recipe
 from pawnb.workflow.provenance.record import file_checksum
-from pawnb.workflow.provenance.reproduce import reproduce_all
+from pawnb.workflow.provenance.reproduce import made_files, reproduce_all
 from pawnb.workflow.provenance.results import describe_trial, write_track_results
 from pawnb.workflow.tracking.trial_views import trial_rig
 
@@ -128,6 +128,39 @@ def test_an_input_that_changed_or_is_gone_is_one_sentence(study, tmp_path, capsy
         pawnb.reproduce(out / "strides.csv")
     with pytest.raises(InputError, match=r"no such folder; name the one that holds"):
         pawnb.reproduce(out / "strides.csv", inputs=tmp_path / "no")
+
+
+@pytest.mark.slow
+def test_a_folder_of_which_files_are_gone_is_made_again_as_far_as_it_can_be(study, capsys):
+    """It ended at the first: a figure that was put away, and nothing was made."""
+    out = study[1]
+    run_gait(out, figures="none")
+    (out / "phases.csv").unlink()
+    (out / "methods.txt").unlink()
+    n = len(made_files(out))
+    assert main(["reproduce", str(out)]) == 2
+    told = capsys.readouterr()
+    assert f"{out / 'strides.csv'}: identical" in told.out
+    assert f"{out / 'phases.csv'}: not made again" in told.out
+    assert f"{n - 2} of {n} identical" in told.out
+    assert told.err.count("\n") == 1
+    assert f"2 of {n} files could not be made again: methods.txt, phases.csv: no such" in told.err
+    (out / "tracks.nc").unlink()
+    assert main(["reproduce", str(out), str(study[0] / "tracks.nc")]) == 2
+    told = capsys.readouterr()
+    assert "strides.csv: not made again" in told.out
+    assert "results/tracks.nc, of which" in told.err
+    assert "tracks.nc: nothing says how this file was made" in told.err
+
+
+def test_every_input_that_has_changed_or_is_gone_is_named(tmp_path):
+    (tmp_path / "a.csv").write_text("right")
+    sums = {name: file_checksum(tmp_path / "a.csv") for name in ("a.csv", "b.csv", "c.csv")}
+    (tmp_path / "a.csv").write_text("wrong")
+    with pytest.raises(InputError) as said:
+        find_inputs(sums, [tmp_path], of="strides.csv")
+    assert "a.csv has changed since strides.csv was made of it" in str(said.value)
+    assert "b.csv and c.csv, of which strides.csv was made, are not there; name" in str(said.value)
 
 
 @pytest.mark.parametrize("name", ["x.csv", "x.png", "x.svg", "x.pdf"])
