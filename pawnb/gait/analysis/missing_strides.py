@@ -55,6 +55,10 @@ def _on_legs_without_strides(tables: GaitTables, basis: TrialBasis) -> str:
     dropped = ((left_out["what"] == "stride") & left_out["leg"].isin(without)).sum()
     if dropped:
         found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
+    others = left_out[~left_out["what"].isin(["stride", "leg"]) & left_out["leg"].isin(without)]
+    if len(others):
+        why = others["why"].mode().iloc[0]
+        found += f" ({len(others)} left out, most often as {why}: see dropped.csv)"
     which = f"no stride of {', '.join(without)}" if with_strides else "no stride"
     return (
         f"{which}, for one runs from {start} to {start} of the same leg, with one "

@@ -93,7 +93,8 @@ class GaitRun:
         }
         counted = " of ".join(f"{n} {one if n == 1 else f'{one}s'}" for one, n in what.items())
         counted = counted if len(strides) else "no stride was found"
-        lines = [f"{counted}; {len(dropped)} dropped (dropped.csv says why)"]
+        why = " (dropped.csv says why)" if len(dropped) else ""
+        lines = [f"{counted}; {len(dropped)} dropped{why}"]
         if len(strides):
             # each animal counts once, however many strides it took
             own = strides.groupby("animal")[["frequency_hz", "duty_factor"]].median()

@@ -57,6 +57,16 @@ def test_a_leg_without_a_stride_that_was_never_seen_is_said_so():
     assert "found AEP: 0 of HL (no position in any frame)" in said
 
 
+def test_feet_that_stand_still_say_why_none_of_their_turns_count():
+    """A longer recording of the same would not help; what was found was in dropped.csv only."""
+    tracks = Walk().tracks(treadmill=True)
+    tracks["position"].data[:] = tracks["position"].data[:1]
+    (said,) = say_no_strides(analyse(tracks, belt_speed=300.0))
+    assert said.startswith("trial: no stride, for one runs")
+    assert " left out, most often as " in said
+    assert "frames is shorter than" in said
+
+
 def test_an_animal_that_was_never_seen_does_not_take_the_others_with_it():
     tracks = Walk().tracks(treadmill=True)
     alone = analyse(tracks, belt_speed=300.0)
