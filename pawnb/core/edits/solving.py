@@ -7,6 +7,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray, Points2D, Points3D
+from pawnb.core.edits.hand_placed import views_in_force
 from pawnb.core.edits.stretches import EDITED, MISSING, PREDICTED, REPROJECTED
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -83,6 +84,7 @@ class PositionSolver:
             xyz, residual, used = self._first_view(uv, used)
             best = _best(origin, used)
         else:
+            used = self._in_force(self.rig, uv, used=used, by_hand=origin == EDITED)
             xyz, residual, used = triangulate_views(t, self.rig, uv, used=used)
             best = _best(origin, used)
             if keep_depth:
@@ -109,6 +111,28 @@ class PositionSolver:
             if name in t:
                 t[name].values[at[0], :, at[1], 0] = np.nan
         self._refresh_reprojected(rows, points, xyz, origin)
+
+    def _in_force(
+        self, rig: RigLike, uv: Points2D, *, used: BoolArray, by_hand: BoolArray
+    ) -> BoolArray:
+        """Leave out tracked views that disagree with two or more in which a person placed it."""
+
+        def triangulate(own: Points2D, counts: BoolArray) -> tuple[AnyArray, AnyArray]:
+            return triangulate_views(self.tracks, rig, own, used=counts)[:2]
+
+        return views_in_force(
+            uv, used=used, by_hand=by_hand, triangulate=triangulate, project=self._project
+        )
+
+    def _project(self, xyz: Points3D) -> FloatArray:
+        """Return where the views see places in space; NaN in those that the rig does not have."""
+        views = [str(name) for name in self.tracks["view"].to_numpy()]
+        projected = np.full((*xyz.shape[:-1], len(views), 2), np.nan)
+        if self.rig is not None:
+            places = [views.index(name) for name in self.rig.names if name in views]
+            keep = [name in views for name in self.rig.names]
+            projected[..., places, :] = np.asarray(self.rig.project(xyz))[..., keep, :]
+        return projected
 
     def _in_sight(
         self, rig: RigLike, uv: Points2D, *, alone: BoolArray, was: FloatArray,
@@ -137,11 +161,7 @@ class PositionSolver:
         follow = origin == REPROJECTED
         if self.rig is None or not follow.any():
             return
-        views = [str(name) for name in self.tracks["view"].to_numpy()]
-        projected = np.full((*xyz.shape[:-1], len(views), 2), np.nan)
-        places = [views.index(name) for name in self.rig.names if name in views]
-        keep = [name in views for name in self.rig.names]
-        projected[:, :, places] = np.asarray(self.rig.project(xyz))[:, :, keep]
+        projected = self._project(xyz)
         n, p, view = np.nonzero(follow)
         target = self.tracks["image_position"].values
         target[rows[n], view, :, np.asarray(points)[p], 0] = projected[n, p, view]
