@@ -56,7 +56,7 @@ def warn_of_input(
     warnings.warn(sentence, category, stacklevel=stacklevel + 1)
 
 
-def hide_warnings_of(library: str) -> None:
+def hide_warnings_of(library: str | None = None, *, saying: str = "") -> None:
     """Show no more what a library warns of, of odd files for example, which pawnb tells itself.
 
     This is for good: filters are those of all threads, and one that is taken back where another
@@ -64,10 +64,14 @@ def hide_warnings_of(library: str) -> None:
 
     Parameters
     ----------
-    library : str
-        Name of the package whose modules warn.
+    library : str, optional
+        Name of the package whose modules warn; default any, for libraries that warn in the name of
+        who calls them.
+    saying : str
+        How the warnings begin, as a regular expression; default all of them.
     """
-    warnings.filterwarnings("ignore", module=rf"{re.escape(library)}(\.|$)")
+    module = "" if library is None else rf"{re.escape(library)}(\.|$)"
+    warnings.filterwarnings("ignore", saying, module=module)
 
 
 @contextmanager

@@ -67,6 +67,26 @@ def test_warnings_of_a_library_are_hidden_and_no_others():
     assert [str(one.message) for one in shown] == ["odd", "odd", "cut short"]
 
 
+def test_warnings_that_begin_in_one_way_are_hidden_whoever_warns_or_of_one_module():
+    with warnings.catch_warnings(record=True) as shown:
+        warnings.simplefilter("always")
+        hide_warnings_of(saying="flock not supported")
+        hide_warnings_of("pawnb.x", saying="Glyph .* missing from")
+        for module in ("anybody", "pawnb.x"):
+            for text in ("flock not supported here", "Glyph 7 missing from font", "odd"):
+                warnings.warn_explicit(text, UserWarning, "file.py", 1, module=module)
+    assert [str(one.message) for one in shown] == ["Glyph 7 missing from font", "odd", "odd"]
+
+
+def test_filters_are_set_in_one_place():
+    users = [
+        path.relative_to(PACKAGE).as_posix()
+        for path in PACKAGE.rglob("*.py")
+        if "warnings.filterwarnings(" in path.read_text(encoding="utf-8")
+    ]
+    assert users == ["input_warnings.py"]
+
+
 def test_every_warning_is_said_where_a_run_hears_it():
     """And no block changes filters for a while: they are those of all threads."""
     asked = ("warnings.warn", "warnings.catch_warnings")

@@ -9,19 +9,19 @@ from __future__ import annotations
 import errno
 import os
 import socket
-import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from pawnb.errors import BusyError, InputError
 from pawnb.files.refused import how_to_write
+from pawnb.input_warnings import hide_warnings_of
 
 # what file systems without locks answer; filelock itself knows ENOSYS
 _NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EINVAL)
 
 # of filelock, where a file has to do for a lock; not within a block, as locks are taken on threads
-warnings.filterwarnings("ignore", "flock not supported", UserWarning)
+hide_warnings_of(saying="flock not supported")
 
 
 @contextmanager

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import re
-import warnings
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -25,6 +23,7 @@ from pawnb.figures.other_scripts import (
 )
 from pawnb.figures.panels import apart_from_pyplot
 from pawnb.files import distinct_name, whole_file
+from pawnb.input_warnings import hide_warnings_of
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait.drawing.drawings import Drawing
 
@@ -38,7 +37,7 @@ tables down to its signs was three quarters of the time to embed DejaVu Sans (0.
 
 # of all figures of a run that is said once, in a sentence; not within a block, as figures are drawn
 # on threads, and filters are those of all of them
-warnings.filterwarnings("ignore", "Glyph .* missing from", UserWarning, re.escape(__name__))
+hide_warnings_of(__name__, saying="Glyph .* missing from")
 
 
 def save_gait_figures(
