@@ -49,6 +49,11 @@ _KIND_WORDS = (
 )  # fmt: skip
 """Kinds of corrections in words: what, and what was done to it."""
 
+_NOTES_OF_BEFORE = (
+    "notes of the analysis on events, strides and phases are of the events as they were found, "
+    "before the corrections by hand; the tables are of the corrected ones."
+)
+
 
 class EventEdits:
     """An analysis and the corrections a person makes in its events.
@@ -231,6 +236,8 @@ def replay_event_edits(
         for name, own in in_force
         if own
     ]
+    if tables.notes and any(own for _, own in in_force):
+        notes.append(_NOTES_OF_BEFORE)
     if left_out:
         notes.append(
             f"corrections of events left out, as they do not fit the events any more: "

@@ -235,6 +235,20 @@ def test_events_found_anew_keep_their_corrections(tables, tmp_path):
     assert not any("left out" in note for note in again.notes)
 
 
+def test_notes_of_before_the_corrections_are_marked(tables, tmp_path):
+    """Beside corrected tables they read as if they were of these."""
+    path = tmp_path / "event_edits.jsonl"
+    noted = replace(tables, notes=("strides of one leg differ",))
+    marked = "are of the events as they were found, before the corrections by hand"
+    assert not any(marked in note for note in replay_event_edits(noted, path).notes)
+    log = EventEdits(noted, path)
+    log.apply(move(0.42))
+    out = replay_event_edits(noted, path)
+    assert sum(marked in note for note in out.notes) == 1
+    log.undo()
+    assert replay_event_edits(noted, path).notes == noted.notes
+
+
 def test_what_fits_no_event_any_more_is_left_out_and_said(tables, tmp_path):
     path = tmp_path / "event_edits.jsonl"
     log = EventEdits(tables, path)
