@@ -226,7 +226,7 @@ def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
     (state,) = bench.session.states
     assert state.next_step == "look"
     assert "no stride was found" in said(bench)
-    assert "0 dropped; note: small: no stride" in said(bench)
+    assert "(dropped.csv says why); note: small: no stride" in said(bench)
     # clicks in another frame are offered where the tracks are not good, and open there
     tracks = bench.session.tracks(state)
     sure = tracks.copy(deep=True)
