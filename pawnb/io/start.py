@@ -15,7 +15,9 @@ from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 
 FILM_COLUMN = "film"
-"""Code of the film in which a point was clicked, in files that the widget wrote."""
+"""Code of the film in which a point was clicked."""
+_FILMS_SUFFIX = ".films.csv"
+"""``start.films.csv`` beside ``start.csv`` has the same columns and this one."""
 _OWN_FORMATS = ("csv", "csv-3d", "pawnb")
 
 
@@ -68,28 +70,51 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     return table
 
 
-def clicked_films(path: str | Path) -> dict[str, set[str]]:
-    """Return the codes of the films in which points were clicked, as far as a file has them.
+def films_of_clicks(path: str | Path) -> dict[tuple[int, str, str, float, float], str]:
+    """Return in which film each click was made, as far as that is known.
 
     Parameters
     ----------
     path : str or Path
-        ``start.csv``; clicks of other programs, and those typed by hand, have no such codes.
+        ``start.csv``. The films are in ``start.films.csv`` beside it, which the widget writes; of
+        clicks that others made or changed since it says nothing.
+
+    Returns
+    -------
+    dict of tuple to str
+        Frame, view, point, u and v of a click to the film's code
+        (:func:`pawnb.core.video.doubts.exchanged_films.film_code`).
+    """
+    path = Path(path)
+    films = path.with_suffix(_FILMS_SUFFIX)
+    if not (films.exists() and path.exists()):
+        return {}
+    try:
+        known = read_cells(films, [*START_COLUMNS, FILM_COLUMN])
+        both = read_cells(path, START_COLUMNS).merge(known, on=list(START_COLUMNS))
+        rows = both[[*START_COLUMNS, FILM_COLUMN]].itertuples(index=False, name=None)
+        return {(int(f), v, p, float(x), float(y)): film for f, v, p, x, y, film in rows}
+    except (InputError, ValueError):  # the clicks are read, and faults told, elsewhere
+        return {}
+
+
+def clicked_films(path: str | Path) -> dict[str, set[str]]:
+    """Return the codes of the films in which points were clicked, by view, as far as known.
+
+    Parameters
+    ----------
+    path : str or Path
+        As for :func:`films_of_clicks`.
 
     Returns
     -------
     dict of str to set of str
-        Codes (:func:`pawnb.core.video.doubts.exchanged_films.film_code`) by view.
-
-    Raises
-    ------
-    InputError
-        If the file is no such table.
+        Codes by view.
     """
-    cells = read_cells(path, START_COLUMNS)
-    if FILM_COLUMN not in cells:
-        return {}
-    return {str(view): set(own) - {""} for view, own in cells.groupby("view")[FILM_COLUMN]}
+    films: dict[str, set[str]] = {}
+    for (_, view, *_), code in films_of_clicks(path).items():
+        films.setdefault(view, set()).add(code)
+    return films
 
 
 def check_start(
@@ -136,7 +161,7 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     ----------
     start : DataFrame
         Columns ``frame, view, point, u, v``, and ``film`` where it is known in which film each
-        was clicked.
+        was clicked: that goes into ``start.films.csv`` beside the file.
     path : str or Path
         The file.
 
@@ -153,8 +178,11 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     'start.csv'
     """
     check_columns(start, START_COLUMNS, where="start clicks")
-    columns = [*START_COLUMNS, *([FILM_COLUMN] if FILM_COLUMN in start else [])]
-    return write_table(start[columns].reset_index(drop=True), path)
+    path = write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
+    if FILM_COLUMN in start:
+        films = start.loc[start[FILM_COLUMN] != "", [*START_COLUMNS, FILM_COLUMN]]
+        write_table(films.reset_index(drop=True), path.with_suffix(_FILMS_SUFFIX))
+    return path
 
 
 def _refuse_other_programs(path: Path, trial: Trial) -> None:

@@ -12,6 +12,7 @@ from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
 from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
 from pawnb.errors import InputError
+from pawnb.io.start import clicked_films
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, ViewSource
 from pawnb.widgets.opened_trial import open_trial
@@ -94,7 +95,7 @@ class ClickInitialiser(FrameCanvas):
             films=film_codes(shown.readers),
         )
         self._proposal = self._reason = ""
-        exchanged = tell_exchanged_films(self.session.films, self.session.clicked_films())
+        exchanged = tell_exchanged_films(self.session.films, clicked_films(self.session.path))
         self._exchanged = "".join(f"⚠ {text}.\n" for text in exchanged)
         if propose:
             self._propose(trial, propose)

@@ -15,7 +15,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
-from pawnb.io.start import FILM_COLUMN, write_start
+from pawnb.io.start import FILM_COLUMN, films_of_clicks, write_start
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 from pawnb.widgets.draft import Draft
@@ -103,7 +103,7 @@ class StartSession(Draft[_StartState]):
         self.points = tuple(every)
         self.colours = point_colours(self.points)
         clicks = {} if start is None else self._clicks_of(start)
-        self.films, self._earlier_films = dict(films or {}), _films_of(start)
+        self.films, self._earlier_films = dict(films or {}), films_of_clicks(self.path)
         if frame is None:
             frame = min((f for f, _, _ in clicks), default=span[0])
         self._state = _StartState(clicks=clicks, frame=self._checked_frame(frame))
@@ -127,13 +127,6 @@ class StartSession(Draft[_StartState]):
     def hidden(self) -> frozenset[Slot]:
         """Every (frame, view, point) marked as hidden."""
         return self._state.hidden
-
-    def clicked_films(self) -> dict[str, set[str]]:
-        """Return by view in which films there were clicks already, as codes."""
-        films: dict[str, set[str]] = {}
-        for (_, view, *_), code in self._earlier_films.items():
-            films.setdefault(view, set()).add(code)
-        return films
 
     def table(self) -> pd.DataFrame:
         """Return the clicks as they are saved: frame, view, point, u, v, in a fixed order."""
@@ -346,11 +339,3 @@ class StartSession(Draft[_StartState]):
             self._check(view, point)
             clicks[self._checked_frame(int(frame)), view, point] = (float(u), float(v))
         return clicks
-
-
-def _films_of(start: pd.DataFrame | None) -> dict[tuple[Any, ...], str]:
-    """Return in which film each click of a table was made, as far as the table has it."""
-    if start is None or FILM_COLUMN not in start:
-        return {}
-    rows = start[[*START_COLUMNS, FILM_COLUMN]].itertuples(index=False, name=None)
-    return {row[:-1]: str(row[-1]) for row in rows}

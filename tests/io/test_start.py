@@ -7,7 +7,14 @@ import pytest
 
 import pawnb
 from pawnb.errors import InputError
-from pawnb.io.start import check_start, read_start, write_start
+from pawnb.io.start import (
+    check_start,
+    clicked_films,
+    films_of_clicks,
+    read_start,
+    write_start,
+)
+from pawnb.schema import START_COLUMNS
 from pawnb.trial import Animal, Trial, View
 
 HEADER = "frame,view,point,u,v\n"
@@ -196,3 +203,19 @@ def test_what_convert_makes_of_labels_is_read_as_clicks(tmp_path):
     clicks = read_start(made, trial)
     assert clicks["frame"].tolist() == [5, 5]
     assert clicks[["u", "v"]].to_numpy().tolist() == [[3, 4], [5, 6]]
+
+
+def test_in_which_film_a_click_was_made_is_known_until_it_is_changed(tmp_path):
+    """The codes are in a file of their own: columns of clicks are those that others read."""
+    path = tmp_path / "start.csv"
+    clicks = pd.DataFrame(
+        [(3, "a", "FR", 1.5, 2.0), (3, "b", "FR", 4.0, 5.25)], columns=list(START_COLUMNS)
+    )
+    write_start(clicks.assign(film=["p1", ""]), path)
+    assert path.read_text() == "frame,view,point,u,v\n3,a,FR,1.5,2.0\n3,b,FR,4.0,5.25\n"
+    assert films_of_clicks(path) == {(3, "a", "FR", 1.5, 2.0): "p1"}
+    assert clicked_films(path) == {"a": {"p1"}}
+    write_start(clicks.assign(u=9.0), path)  # as another program does
+    assert clicked_films(path) == {}
+    (tmp_path / "start.films.csv").write_bytes(b"\x00damaged")
+    assert clicked_films(path) == {}

@@ -365,6 +365,8 @@ def test_films_exchanged_after_they_were_clicked_are_doubted(small_trial):
         widget.session.go(row.frame)
         widget.session.place(row.view, row.point, row.u, row.v)
     widget.close()
+    # the file of clicks is as the guide has it
+    assert list(pd.read_csv(small_trial / "start.csv")) == ["frame", "view", "point", "u", "v"]
     text = (small_trial / "trial.toml").read_text()
 
     def exchanged():
