@@ -63,9 +63,7 @@ def test_a_joint_beyond_its_range_in_all_frames(track):
     assert joints_beyond_range(ANIMAL, track.poses.angles_deg[0]) == {"L1_TM": pytest.approx(25)}
 
 
-@pytest.mark.parametrize(
-    ("confidence", "verdict"), [(1.0, "good"), (0.8, "good"), (0.1, "look"), (0.0, "look")]
-)
+@pytest.mark.parametrize(("confidence", "verdict"), [(1.0, "good"), (0.8, "good"), (0.1, "look")])
 def test_the_verdict_follows_what_the_picture_shows_of_the_legs(confidence, verdict):
     # of a real fly 57 % of tips are right where nothing of a leg is seen, 85 % where hardly any is
     track = uncertain_track(ANIMAL, walking_poses(ANIMAL, 60))
@@ -73,6 +71,14 @@ def test_the_verdict_follows_what_the_picture_shows_of_the_legs(confidence, verd
     quality = pawnb.assess_quality(tracks_from_poses(ANIMAL, track, fps=125, view="top"))
     assert quality.verdict == verdict
     assert quality.expected_right == pytest.approx(float(chances_of_tips(np.array(confidence))))
+
+
+def test_where_no_leg_is_seen_at_all_there_is_no_body_that_they_follow():
+    # the 57 % above are of legs beside others that are seen; here the whole animal is lost
+    track = uncertain_track(ANIMAL, walking_poses(ANIMAL, 60))
+    track.confidence[:] = 0.0
+    quality = pawnb.assess_quality(tracks_from_poses(ANIMAL, track, fps=125, view="top"))
+    assert (quality.verdict, quality.expected_right) == ("failed", 0.0)
 
 
 def test_a_leg_that_is_hidden_for_long_is_told_in_the_verdict():
