@@ -234,7 +234,7 @@ def _add_gait(parsers: Any) -> None:
         action="append",
         default=[],
         metavar="NAME=VALUE",
-        help='a setting of the analysis, as min_stance_s=0.02 or pairs=[["FL","FR"]]',
+        help="a setting of the analysis, as min_stance_s=0.02 or \"pairs=[['FL','FR']]\"",
     )
     command.add_argument(
         "--figures",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -10,14 +11,14 @@ import pandas as pd
 from pawnb.errors import InputError, did_you_mean
 from pawnb.files import as_word
 from pawnb.io.recognise import find_format
-from pawnb.io.tables import read_cells, read_numbers, write_table
+from pawnb.io.tables import read_cells, read_numbers, write_table, write_text
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 
 FILM_COLUMN = "film"
 """Code of the film in which a point was clicked."""
-_FILMS_SUFFIX = ".films.csv"
-"""``start.films.csv`` beside ``start.csv`` has the same columns and this one."""
+_FILMS_SUFFIX = ".films.json"
+"""``start.films.json`` beside ``start.csv`` has the code of each of its lines."""
 _OWN_FORMATS = ("csv", "csv-3d", "pawnb")
 
 
@@ -76,7 +77,7 @@ def films_of_clicks(path: str | Path) -> dict[tuple[int, str, str, float, float]
     Parameters
     ----------
     path : str or Path
-        ``start.csv``. The films are in ``start.films.csv`` beside it, which the widget writes; of
+        ``start.csv``. The films are in ``start.films.json`` beside it, which the widget writes; of
         clicks that others made or changed since it says nothing.
 
     Returns
@@ -85,17 +86,25 @@ def films_of_clicks(path: str | Path) -> dict[tuple[int, str, str, float, float]
         Frame, view, point, u and v of a click to the film's code
         (:func:`pawnb.core.video.doubts.exchanged_films.film_code`).
     """
-    path = Path(path)
-    films = path.with_suffix(_FILMS_SUFFIX)
-    if not (films.exists() and path.exists()):
+    file = Path(path).with_suffix(_FILMS_SUFFIX)
+    if not file.exists():
         return {}
     try:
-        known = read_cells(films, [*START_COLUMNS, FILM_COLUMN])
-        both = read_cells(path, START_COLUMNS).merge(known, on=list(START_COLUMNS))
-        rows = both[[*START_COLUMNS, FILM_COLUMN]].itertuples(index=False, name=None)
-        return {(int(f), v, p, float(x), float(y)): film for f, v, p, x, y, film in rows}
-    except (InputError, ValueError):  # the clicks are read, and faults told, elsewhere
+        known = json.loads(file.read_text(encoding="utf-8"))
+        lines = _lines(path)
+        return {
+            (int(frame), view, point, float(u), float(v)): str(known[line])
+            for line, (frame, view, point, u, v) in lines.items()
+            if line in known
+        }
+    except (InputError, ValueError, TypeError):  # the clicks are read, and faults told, elsewhere
         return {}
+
+
+def _lines(path: str | Path) -> dict[str, tuple[str, ...]]:
+    """Return the cells of each line of a file of clicks."""
+    cells = read_cells(path, START_COLUMNS)[list(START_COLUMNS)]
+    return {",".join(row): row for row in cells.itertuples(index=False, name=None)}
 
 
 def clicked_films(path: str | Path) -> dict[str, set[str]]:
@@ -161,7 +170,7 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     ----------
     start : DataFrame
         Columns ``frame, view, point, u, v``, and ``film`` where it is known in which film each
-        was clicked: that goes into ``start.films.csv`` beside the file.
+        was clicked: that goes into ``start.films.json`` beside the file.
     path : str or Path
         The file.
 
@@ -180,8 +189,11 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     check_columns(start, START_COLUMNS, where="start clicks")
     path = write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
     if FILM_COLUMN in start:
-        films = start.loc[start[FILM_COLUMN] != "", [*START_COLUMNS, FILM_COLUMN]]
-        write_table(films.reset_index(drop=True), path.with_suffix(_FILMS_SUFFIX))
+        films = dict(zip(_lines(path), start[FILM_COLUMN], strict=True))
+        write_text(
+            json.dumps({line: film for line, film in films.items() if film}, indent=1),
+            path.with_suffix(_FILMS_SUFFIX),
+        )
     return path
 
 

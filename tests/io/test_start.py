@@ -217,5 +217,5 @@ def test_in_which_film_a_click_was_made_is_known_until_it_is_changed(tmp_path):
     assert clicked_films(path) == {"a": {"p1"}}
     write_start(clicks.assign(u=9.0), path)  # as another program does
     assert clicked_films(path) == {}
-    (tmp_path / "start.films.csv").write_bytes(b"\x00damaged")
+    (tmp_path / "start.films.json").write_bytes(b"\xffdamaged")
     assert clicked_films(path) == {}

@@ -158,7 +158,7 @@ def test_the_list_follows_what_is_clicked_and_saved(described, opened):
         clicking.edit("action", {"frame": 0, "action": "redo"})
     bench.do("start", described)
     bench.tool.tool.edit("moved", message | {"u": 9.0})  # a copy of the start is kept
-    assert sorted(described.glob("start*")) == [
+    assert sorted(described.glob("start*.csv")) == [
         described / "start.before.csv", described / "start.csv",
     ]  # fmt: skip
     assert WorkbenchSession(described).track_files() == []

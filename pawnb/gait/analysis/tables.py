@@ -380,7 +380,8 @@ def _how_to_pair(legs: Sequence[str]) -> str:
     if len(legs) < 2:
         return f"{said}."
     one, two = legs[:2]
-    pairs = as_word(f'pairs=[["{one}","{two}"]]')
+    # double quotes outside and single ones inside hold in every shell, those of Windows too
+    pairs = f"\"pairs=[['{one}','{two}']]\""
     return (
         f"{said} (--set {pairs}), or call them as a left and a right one with legs (--legs "
         f"HL={as_word(one)} HR={as_word(two)})."

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import re
+import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -185,7 +185,7 @@ def read_pairs(value: Any) -> list[tuple[str, str]] | None:
     Parameters
     ----------
     value : object
-        Pairs of names, or their JSON.
+        Pairs of names, or their text as in TOML: names in double or single quotes.
 
     Returns
     -------
@@ -200,14 +200,14 @@ def read_pairs(value: Any) -> list[tuple[str, str]] | None:
     if value is None:
         return None
     try:
-        pairs = json.loads(value) if isinstance(value, str) else value
+        pairs = tomllib.loads(f"pairs = {value}")["pairs"] if isinstance(value, str) else value
         found = [(leg, reference) for leg, reference in pairs]
         found = found if all(isinstance(pair, list | tuple) for pair in pairs) else []
     except (ValueError, TypeError):
         found = []
     if not found or not all(isinstance(name, str) for pair in found for name in pair):
         raise InputError(
-            f'setting pairs is {shown(value)}; expected pairs of legs, as [["FL", "FR"]].'
+            f"setting pairs is {shown(value)}; expected pairs of legs, as [['FL', 'FR']]."
         )
     return found
 

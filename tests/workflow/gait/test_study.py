@@ -138,8 +138,9 @@ def test_settings_by_hand_go_before_the_trials_and_these_before_the_studys(study
     assert [s.min_stance_s for s in of] == [0.01, 0.02]
     assert not of[0].bouts
     assert analyse_source(two, settings={"min_stance_s": "0.03"}).settings.min_stance_s == 0.03
-    pairs = analyse_source(one, settings={"pairs": '[["FR", "FL"]]'}).phases
-    assert set(zip(pairs["leg"], pairs["reference"], strict=True)) == {("FR", "FL")}
+    for typed in ('[["FR", "FL"]]', "[['FR','FL']]"):  # shells of Windows take double quotes away
+        pairs = analyse_source(one, settings={"pairs": typed}).phases
+        assert set(zip(pairs["leg"], pairs["reference"], strict=True)) == {("FR", "FL")}
 
 
 @pytest.mark.parametrize(

@@ -98,8 +98,9 @@ def test_notes_of_a_gait_run_are_written(tmp_path):
     assert tmp_path / "out" / "notes.csv" in run.files
     told = set(notes[["where", "what"]].itertuples(index=False, name=None))
     assert ("c", "no pair of legs by name; name them with pairs for phases.") in told
+    # single quotes outside are letters to the shells of Windows, and double ones inside are lost
     how = (
-        """(--set 'pairs=[["L","R"]]'), or call them as a left and a right one with legs (--legs"""
+        """(--set "pairs=[['L','R']]"), or call them as a left and a right one with legs (--legs"""
     )
     assert any(where == "a" and how in what for where, what in told)
     assert any(where == "" and "each counts as one of its own" in what for where, what in told)

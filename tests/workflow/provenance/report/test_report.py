@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import html.parser
 import json
+import os
 import re
 from pathlib import Path
 from urllib.parse import unquote
@@ -28,6 +29,7 @@ from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.report.words import figure_order
 
 HOSTILE = "<img src=x onerror=alert(1)>&'\""
+HOSTILE_FILE = "rose #1 &'%.png" if os.name == "nt" else "rose #1 &'\"%.png"
 
 
 class Reader(html.parser.HTMLParser):
@@ -72,14 +74,14 @@ def test_no_name_becomes_html():
 
 
 def test_the_index_names_every_file_and_links_within_its_folder(tmp_path):
-    files = [tmp_path / "strides.csv", tmp_path / "figures" / f"rose #1 {HOSTILE[-3:]}%.png"]
+    files = [tmp_path / "strides.csv", tmp_path / "figures" / HOSTILE_FILE]
     files[1].parent.mkdir()
     Image.new("RGB", (20, 10)).save(files[1])
     notes = pd.DataFrame([[HOSTILE, "was guessed", "1-3"]], columns=["where", "what", "rows"])
     source = index_page(files, tmp_path, notes=notes, paragraphs=["Six strides."])
     found = Reader(source)
     assert {unquote(name) for name in found.named} == {
-        "./strides.csv", "./provenance.json", f"./figures/rose #1 {HOSTILE[-3:]}%.png",
+        "./strides.csv", "./provenance.json", f"./figures/{HOSTILE_FILE}",
     }  # fmt: skip
     assert f"{HOSTILE}, rows 1-3: was guessed" in found.said
     # whoever is sent the folder finds here how to check it
