@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.files import as_word
+from pawnb.files import as_word, read_bytes
 from pawnb.io.recognise import find_format
 from pawnb.io.tables import read_cells, read_numbers, write_table, write_text
 from pawnb.schema import START_COLUMNS, check_columns
@@ -90,21 +90,20 @@ def films_of_clicks(path: str | Path) -> dict[tuple[int, str, str, float, float]
     if not file.exists():
         return {}
     try:
-        known = json.loads(file.read_text(encoding="utf-8"))
-        lines = _lines(path)
+        known = json.loads(read_bytes(file))
         return {
             (int(frame), view, point, float(u), float(v)): str(known[line])
-            for line, (frame, view, point, u, v) in lines.items()
+            for line, (frame, view, point, u, v) in _lines(path)
             if line in known
         }
     except (InputError, ValueError, TypeError):  # the clicks are read, and faults told, elsewhere
         return {}
 
 
-def _lines(path: str | Path) -> dict[str, tuple[str, ...]]:
-    """Return the cells of each line of a file of clicks."""
+def _lines(path: str | Path) -> list[tuple[str, tuple[str, ...]]]:
+    """Return each line of a file of clicks, and its cells."""
     cells = read_cells(path, START_COLUMNS)[list(START_COLUMNS)]
-    return {",".join(row): row for row in cells.itertuples(index=False, name=None)}
+    return [(",".join(row), row) for row in cells.itertuples(index=False, name=None)]
 
 
 def clicked_films(path: str | Path) -> dict[str, set[str]]:
@@ -189,11 +188,9 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     check_columns(start, START_COLUMNS, where="start clicks")
     path = write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
     if FILM_COLUMN in start:
-        films = dict(zip(_lines(path), start[FILM_COLUMN], strict=True))
-        write_text(
-            json.dumps({line: film for line, film in films.items() if film}, indent=1),
-            path.with_suffix(_FILMS_SUFFIX),
-        )
+        codes = zip(_lines(path), start[FILM_COLUMN], strict=True)
+        films = {line: film for (line, _), film in codes if film}
+        write_text(json.dumps(films, indent=1), path.with_suffix(_FILMS_SUFFIX))
     return path
 
 

@@ -12,7 +12,6 @@ import numpy as np
 import pandas as pd
 
 from pawnb.arrays import IntArray
-from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
@@ -23,6 +22,7 @@ from pawnb.core.paws.offline.tracker import BY_LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
 from pawnb.core.video import ViewSet
+from pawnb.core.video.doubts.frozen_labels import without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, add_provenance

@@ -9,7 +9,6 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.paws.frozen_labels import Freezes, without_frozen
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
@@ -17,6 +16,7 @@ from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
 from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
+from pawnb.core.video.doubts.frozen_labels import Freezes, without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
 from pawnb.input_warnings import warn_of_input

@@ -5,11 +5,11 @@ import pytest
 import xarray as xr
 
 from pawnb import gait
-from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
+from pawnb.core.video.doubts.frozen_labels import without_frozen
 from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.schema import ORIGIN_CODE, make_tracks

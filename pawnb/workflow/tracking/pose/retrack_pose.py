@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import posed_frames
@@ -16,6 +15,7 @@ from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.track_result import PoseTrack, join_tracks
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.video import ViewSet
+from pawnb.core.video.doubts.frozen_labels import without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks, add_provenance

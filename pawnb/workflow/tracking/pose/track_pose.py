@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws.frozen_labels import Freezes, without_frozen
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.background import Background
@@ -23,6 +22,7 @@ from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet
+from pawnb.core.video.doubts.frozen_labels import Freezes, without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
 from pawnb.input_warnings import warn_of_input

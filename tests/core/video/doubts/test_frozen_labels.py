@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.paws.frozen_labels import without_frozen
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
+from pawnb.core.video.doubts.frozen_labels import without_frozen
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.reviewing.quality import assess_quality
 
