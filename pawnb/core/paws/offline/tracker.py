@@ -143,7 +143,7 @@ def _ways(
         return []
     by_strides = strides_may_tell(views, start, task, settings=settings)
     # from the side brightness alone is worse than a look that is learnt; from below neither
-    # is throughout the better one (docs/accuracy.md), and brightness stays where it is good
+    # is throughout the better one (docs/tracker_choices.md), and brightness stays where it is good
     by_colour = (
         not by_strides
         or _has_colour(views, int(start["frame"].iloc[0]))
