@@ -126,6 +126,23 @@ def test_readme_goes_from_video_to_a_gait_diagram(tmp_path, monkeypatch):
     plt.close("all")
 
 
+@pytest.mark.slow
+def test_the_figures_of_the_guide_are_drawn_and_made_again(tmp_path, monkeypatch, capsys):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "guide" / "figures.md").read_text(encoding="utf-8")
+    study = pawnb.synthetic.simulate_spider_study(animals=2, trials=1)
+    runs = [pawnb.gait.analyse(run.tracks(), trial=run.trial) for run in study.runs]
+    made = {"gait": pawnb.gait.pool(runs)}
+    drawn, kept, styled = re.findall(r"```python\n(.*?)```", page, re.S)
+    exec(drawn + kept, made)  # noqa: S102  (the page's own lines)
+    assert capsys.readouterr().out.strip() in kept
+    with pawnb.figures.style():  # what is set is set back
+        exec("from pawnb import figures\n" + styled.replace("set_style", "style"), {})  # noqa: S102
+    plt.close("all")
+
+
 @pytest.mark.parametrize("path", sorted(ACCURACY.glob("*.csv")), ids=lambda path: path.stem)
 def test_tables_of_accuracy_are_whole_and_shown(path):
     head, *rows_ = csv.reader(path.read_text(encoding="utf-8").splitlines())

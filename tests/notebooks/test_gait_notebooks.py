@@ -19,6 +19,7 @@ def test_foreign_tracks_notebook_recovers_the_truth_of_its_sample(tmp_path):
     assert error < 1.0
     assert shown(notebook, "image/png") == 2
     assert (tmp_path / "results" / "deeplabcut" / "strides.csv").exists()
+    assert "phases.pdf: identical" in text
 
 
 @pytest.mark.slow

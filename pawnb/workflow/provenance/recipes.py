@@ -95,9 +95,10 @@ def _of_manifest(path: Path) -> Recipe:
         if steps:
             first, *later = steps
             return Recipe(step=first | ({"later": later} if later else {}), name=name, style={})
+    own = " Figures of a notebook carry theirs where pawnb.draw_figure saves them."
     raise InputError(
         f"{path}: nothing says how this file was made; expected a figure with its recipe, or a "
-        f"file that a {MANIFEST} beside it lists."
+        f"file that a {MANIFEST} beside it lists.{own if path.suffix.lower() in _FIGURES else ''}"
     )
 
 

@@ -172,8 +172,9 @@ def test_files_without_a_recipe_are_refused(tmp_path, name):
         Image.new("RGB", (2, 2)).save(path)
     else:
         path.write_text("%PDF-1.4\n" if name == "x.pdf" else "<svg/>")
-    with pytest.raises(InputError, match="nothing says how this file was made"):
+    with pytest.raises(InputError, match="nothing says how this file was made") as told:
         pawnb.reproduce(path)
+    assert ("where pawnb.draw_figure saves them" in str(told.value)) == (name != "x.csv")
     with pytest.raises(InputError, match="no such file"):
         pawnb.reproduce(tmp_path / "none.png")
 
