@@ -160,7 +160,7 @@ def _two_groups(means: pd.DataFrame, a: str, b: str, *, paired: bool) -> _Curves
         )
     if min(len(one), len(two)) < 2:
         raise InputError(
-            f"curves of {len(one)} animals of {a} and {len(two)} of {b}; expected two or more in "
+            f"animals with curves: {len(one)} of {a}, {len(two)} of {b}; expected two or more in "
             "each: there is no test of one animal."
         )
     legs = means.columns.get_level_values(0).unique()

@@ -170,7 +170,7 @@ def test_what_cannot_be_compared_is_one_sentence():
         compare_cycles(table[table["group"] == "a"])
     with pytest.raises(InputError, match="animal m0 is in more than one group; say paired=True"):
         compare_cycles(cycles(curves(3, 3), 3, paired=True))
-    with pytest.raises(InputError, match="curves of 1 animals of a and 6 of b; expected two or"):
+    with pytest.raises(InputError, match="animals with curves: 1 of a, 6 of b; expected two or"):
         compare_cycles(table[table["animal"].isin(["m0", *(f"m{i}" for i in range(5, 11))])])
     with pytest.raises(InputError, match="threshold_p is 2"):
         compare_cycles(table, threshold_p=2)
