@@ -41,8 +41,8 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     Raises
     ------
     InputError
-        For a missing column, a cell that is not a number, an unknown view or point, the same
-        click twice, a frame outside the trial, or a point of the trial that is clicked in
+        For a missing file or column, a cell that is not a number, an unknown view or point, the
+        same click twice, a frame outside the trial, or a point of the trial that is clicked in
         no view of any frame.
 
     Examples
@@ -56,6 +56,12 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     2
     """
     where = Path(path).name
+    if not Path(path).exists():
+        raise InputError(
+            f"{path}: no such file; click the points with pawnb open or "
+            "pawnb.widgets.ClickInitialiser, or write a csv table with the columns "
+            f"{', '.join(START_COLUMNS)}."
+        )
     _refuse_other_programs(Path(path), trial)
     cells = read_cells(path, START_COLUMNS)
     table = pd.DataFrame(

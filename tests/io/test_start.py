@@ -117,7 +117,7 @@ def test_bad_files_are_refused_in_one_sentence(tmp_path, trial, text, message):
 
 def test_a_missing_file_is_named(tmp_path, trial):
     with pytest.raises(
-        InputError, match=r"start.csv: no such file; expected a csv table with the columns"
+        InputError, match=r"start.csv: no such file; click the points with .* or write a csv table"
     ):
         read_start(tmp_path / "start.csv", trial)
 
