@@ -30,8 +30,8 @@ HOLDS_S = 1.0
 HOLDS_FRAMES = 10
 """Time, and least number of frames, over which what a click mends beside it falls to 1/e. With 1 s
 gains are of the size that is measured in real clips with marks (camel, horse, fly); in a mouse
-from below, where one click taught the looks of paws for the whole clip, three times as many labels
-became right."""
+from below, where the looks of paws were learnt for the whole clip from one click, three times as
+many labels became right."""
 
 APART_FRAMES = 5
 """No frame is suggested nearer than this to a clicked one, or to another."""

@@ -320,7 +320,7 @@ class _Run:
             part = one.stack if rows is None else one.stack.part(*rows)
             track = view_track(part, result.points, n_points, chance=chance)
             take_over(self.found[v], track, begin + (rows or (0, 0))[0])
-            self._take_lessons(one.name, result.learnt, begin)
+            self._take_training_frames(one.name, result.learnt, begin)
         return [one.how_framed() for one in inputs]
 
     def _inputs(
@@ -343,11 +343,11 @@ class _Run:
             inputs.append(one)
         return inputs
 
-    def _take_lessons(self, view: str, learnt: Learnt, begin: int) -> None:
+    def _take_training_frames(self, view: str, learnt: Learnt, begin: int) -> None:
         """Take what was learnt in a window; how far kinds agree is that of the first one."""
         whole = self.learnt.get(view, Learnt({}, learnt.agreement))
-        moved = {begin + row: lesson for row, lesson in learnt.lessons.items()}
-        self.learnt[view] = Learnt({**moved, **whole.lessons}, whole.agreement)
+        moved = {begin + row: own for row, own in learnt.training_frames.items()}
+        self.learnt[view] = Learnt({**moved, **whole.training_frames}, whole.agreement)
 
     def _stacks(
         self,

@@ -132,9 +132,9 @@ class AppearanceParameters:
     epochs : int
         Times that every sample is seen. Set by hand.
     copies_again, networks_again, epochs_again : int
-        The same after a correction or a further click, where frames of the run before teach as
-        well. Measured: with 25, 12, 8 and 5 epochs 137, 136, 136 and 136 of 165 marks of horse and
-        camel were right (one frame clicked after one or two). With as many copies, networks and
+        The same after a correction or a further click, where one trains on frames of the run before
+        as well. Measured: with 25, 12, 8 and 5 epochs 137, 136, 136 and 136 of 165 marks of horse
+        and camel were right (one frame clicked after one or two). With as many copies, networks and
         ``iterations`` as in a first run 404 of 495 were (three further frames, one after the
         other), with these 408; 175 and 173 of 227 of the dog, not looked at before.
     rounds : int
@@ -190,7 +190,7 @@ class AssociationParameters:
     exclusive : float
         How far a place taken by one point is closed to others. Set by hand.
     iterations : int
-        Times that points (and views) hear of each other. Set by hand.
+        Iterations in which points (and views) exclude each other from places. Set by hand.
     iterations_again : int
         The same after a correction or a further click. Measured: see ``epochs_again``; alone, 402
         of 495 marks were right.

@@ -19,7 +19,7 @@ from pawnb.core.paws.offline.association.positional_prior import (
 )
 from pawnb.core.paws.offline.detection.appearance import (
     appearance_maps,
-    clicked_lessons,
+    clicked_training_frames,
     learn_appearance,
 )
 from pawnb.core.paws.offline.detection.classifier import Classifier
@@ -31,8 +31,8 @@ from pawnb.core.paws.offline.quality.calibration import probability_right, stand
 from pawnb.core.paws.offline.quality.signs import Signs, read_signs
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.self_training.agreement import agreeing_share, trust_by_agreement
-from pawnb.core.paws.offline.self_training.learning import agreed_lessons
 from pawnb.core.paws.offline.self_training.learnt import Learnt
+from pawnb.core.paws.offline.self_training.pseudo_labels import pseudo_labelled_frames
 from pawnb.core.paws.offline.self_training.weighing import Weighing, weigh
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.rig import Rig
@@ -158,7 +158,7 @@ def run_pipeline(
     rig : Rig, optional
         Calibration of the views; without it each is tracked by itself.
     rows : tuple of int, optional
-        First row and one past the last that are tracked; all views teach with all of theirs.
+        First row and one past the last that are tracked; all views are trained on all of theirs.
     weighing : Weighing, optional
         How far kinds are trusted; default what leaving out clicked frames says.
 
@@ -201,7 +201,7 @@ class _Work:
 
     Attributes
     ----------
-    lessons : mapping
+    training_frames : mapping
         Row of the whole view to what is learnt from it.
     priors, others, looks : mapping
         Point to the probability of places, and to ratios of likelihoods by all kinds but
@@ -219,7 +219,7 @@ class _Work:
         self.left_out = weighing.offsets
         self.whole, self.begin, self.end, self.parameters = whole, begin, end, parameters
         self.radius = parameters.appearance.radius / parameters.scene.spacing
-        self.clicked = clicked_lessons(whole.stack, whole.annotations)
+        self.clicked = clicked_training_frames(whole.stack, whole.annotations)
         self.priors = prior_from_clicks(
             whole.stack, whole.annotations, radius=self.radius, parameters=parameters
         )
@@ -228,7 +228,7 @@ class _Work:
         self.motion = _motion(
             view, self.followed, whole.annotations.points, power=weighing.powers.motion
         )
-        self.lessons, self.others = dict(self.clicked), self.motion
+        self.training_frames, self.others = dict(self.clicked), self.motion
         self.learnt = Learnt()
         self.classify: Classifier
         self.looks: dict[int, np.ndarray] = {}
@@ -240,18 +240,21 @@ class _Work:
         earlier, stack = self.whole.earlier, self.whole.stack
         assert earlier is not None  # noqa: S101 (asked before)
         self.learnt = earlier.learnt
-        self.lessons = {**earlier.learnt.working(stack), **self.clicked}
+        self.training_frames = {**earlier.learnt.working(stack), **self.clicked}
         masses = {p: earlier.mean_mass(stack, p, prior) for p, prior in self.priors.items()}
         self.priors = prior_from_tracks(masses, self.priors, self.radius)
 
     def correlate_earlier(self) -> None:
-        """Hear correlation, as far as it agreed with what an earlier run has found."""
-        self._hear_correlation(self._correlated(), self.learnt.agreement)
+        """Take in correlation, as far as it agreed with what an earlier run has found."""
+        self._add_correlation(self._correlated(), self.learnt.agreement)
 
     def learn(self, n_points: int) -> None:
         """Learn what points look like."""
         self.classify = learn_appearance(
-            self.whole.stack, self.lessons, n_points=n_points, parameters=self.parameters.appearance
+            self.whole.stack,
+            self.training_frames,
+            n_points=n_points,
+            parameters=self.parameters.appearance,
         )
 
     def look(self) -> None:
@@ -278,14 +281,14 @@ class _Work:
         stack = self.view.stack
         found = self._correlated()
         shares = agreeing_share(found, stack, self.estimates, radius=self.radius)
-        self._hear_correlation(found, shares)
-        agreed = agreed_lessons(
+        self._add_correlation(found, shares)
+        agreed = pseudo_labelled_frames(
             stack, self.view.annotations, estimates=self.estimates, looks=self.looks,
             priors=self.priors, name_shares={p: q.name_share for p, q in posteriors.items()},
             radius=self.radius, parameters=self.parameters.appearance,
         )  # fmt: skip
-        moved_on = {self.begin + row: lesson for row, lesson in agreed.items()}
-        self.lessons = {**self.clicked, **moved_on}
+        moved_on = {self.begin + row: own for row, own in agreed.items()}
+        self.training_frames = {**self.clicked, **moved_on}
         self.learnt = Learnt.of_working(moved_on, shares, self.whole.stack)
         masses = {p: q.mass.mean(axis=0) for p, q in posteriors.items()}
         self.priors = prior_from_tracks(masses, self.priors, self.radius)
@@ -306,7 +309,7 @@ class _Work:
             radius_px=self.parameters.appearance.radius, followed=self.followed,
         )  # fmt: skip
 
-    def _hear_correlation(self, found: Detections, shares: Mapping[int, float]) -> None:
+    def _add_correlation(self, found: Detections, shares: Mapping[int, float]) -> None:
         """Add ratios by correlation, as far as it agrees with what others have found."""
         trusted = trust_by_agreement(found, shares)
         self.others = {

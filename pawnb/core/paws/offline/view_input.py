@@ -30,7 +30,7 @@ class ViewInput:
         Of further kinds of evidence.
     known : Annotations
         What is known of earlier tracks: certain where only a part is tracked again, and
-        taught to nobody.
+        never trained on.
     earlier : Earlier, optional
         An earlier run on the same rows, from which what it has learnt is taken.
     """

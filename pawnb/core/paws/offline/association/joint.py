@@ -181,13 +181,13 @@ def _gains(
         (share[:, may] + LINKS.names_unsure).mean(axis=1, keepdims=True)
     )
     motion = np.stack([others[p][t, y, x] for p in points], axis=1).astype(float)
-    wont = np.stack([prior[p][y, x] for p in points], axis=1).astype(float)
-    mean = wont.mean(axis=1, keepdims=True)
+    usual = np.stack([prior[p][y, x] for p in points], axis=1).astype(float)
+    mean = usual.mean(axis=1, keepdims=True)
     at_all = np.clip(np.log(mean[:, 0] * h * w), -LINKS.most_there, LINKS.most_there / 2)
     log = (there + at_all)[:, None] + trust * name + np.log(motion)
     m = one.rows_before_cut or len(t)
     gains = log.sum(axis=0) / (1 + (m - 1) * alike)
-    return np.asarray(gains + np.log(wont / mean).sum(axis=0) / m)
+    return np.asarray(gains + np.log(usual / mean).sum(axis=0) / m)
 
 
 def paint_names(

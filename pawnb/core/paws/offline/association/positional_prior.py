@@ -1,4 +1,4 @@
-"""Where in the body's frame each point is wont to be."""
+"""Where in the body's frame each point usually is."""
 
 from __future__ import annotations
 

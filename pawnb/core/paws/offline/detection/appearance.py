@@ -19,8 +19,8 @@ from pawnb.core.paws.offline.scene.stack import BodyStack
 
 
 @dataclass(frozen=True)
-class Lesson:
-    """What is known of one frame.
+class TrainingFrame:
+    """A frame that a classifier is trained on.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ class Lesson:
     clicked: bool = True
 
 
-def clicked_lessons(stack: BodyStack, annotations: Annotations) -> dict[int, Lesson]:
-    """Return what the clicks of a view teach.
+def clicked_training_frames(stack: BodyStack, annotations: Annotations) -> dict[int, TrainingFrame]:
+    """Return the frames with clicks, to train on.
 
     Parameters
     ----------
@@ -50,15 +50,15 @@ def clicked_lessons(stack: BodyStack, annotations: Annotations) -> dict[int, Les
     Returns
     -------
     dict
-        Row to its Lesson.
+        Row to its frame.
     """
     placed = annotations.moved(stack.to_body)
-    return {row: Lesson(here) for row, here in placed.places.items()}
+    return {row: TrainingFrame(here) for row, here in placed.places.items()}
 
 
 def learn_appearance(
     stack: BodyStack,
-    lessons: Mapping[int, Lesson],
+    training_frames: Mapping[int, TrainingFrame],
     *,
     n_points: int,
     parameters: AppearanceParameters,
@@ -69,7 +69,7 @@ def learn_appearance(
     ----------
     stack : BodyStack
         The view.
-    lessons : mapping
+    training_frames : mapping
         Row to what is known of it.
     n_points : int
         Number of points in all.
@@ -83,14 +83,14 @@ def learn_appearance(
     """
     random = np.random.default_rng(0)
     samples, labels = [], []
-    for row, lesson in sorted(lessons.items()):
+    for row, training_frame in sorted(training_frames.items()):
         copies = (
             parameters.copies
-            if lesson.clicked
+            if training_frame.clicked
             else max(1, parameters.copies // LEARNT.copies_fewer)
         )
         for copy in range(copies):
-            found, names = _samples(stack, row, lesson, random, parameters, varied=copy > 0)
+            found, names = _samples(stack, row, training_frame, random, parameters, varied=copy > 0)
             samples.append(found)
             labels.append(names)
     return train_classifier(
@@ -101,7 +101,7 @@ def learn_appearance(
 def _samples(
     stack: BodyStack,
     row: int,
-    lesson: Lesson,
+    training_frame: TrainingFrame,
     random: np.random.Generator,
     parameters: AppearanceParameters,
     *,
@@ -120,12 +120,12 @@ def _samples(
     usable = np.ones((h, w), bool)
     nearest = np.full((h, w), np.inf, np.float32)
     radius = parameters.radius
-    for point, xy in lesson.points.items():
+    for point, xy in training_frame.points.items():
         away = _distances(stack, (h, w), turned[:, :2] @ xy + turned[:, 2])
         label[away < LEARNT.own_radii * radius] = point + 1
         usable &= (away < LEARNT.own_radii * radius) | (away >= LEARNT.doubtful_radii * radius)
         nearest = np.minimum(nearest, away)
-    for xy in lesson.doubtful:
+    for xy in training_frame.doubtful:
         away = _distances(stack, (h, w), turned[:, :2] @ xy + turned[:, 2])
         usable &= (away >= LEARNT.open_radii * radius) | (label > 0)
     positive = np.flatnonzero(label > 0)

@@ -38,8 +38,8 @@ _CODE_OF_APPEARANCE = ("appearance.py", "classifier.py", "features.py", "paw_app
 
 
 @dataclass(frozen=True)
-class PawLesson:
-    """Where paws are in one frame.
+class PawTrainingFrame:
+    """A frame that a classifier of paws is trained on: where paws are in it.
 
     Parameters
     ----------
@@ -152,10 +152,10 @@ class PawLook(Appearance):
         return self.reading.back(odds, (pixels.shape[1], pixels.shape[0]))
 
 
-def clicked_lessons(
+def clicked_training_frames(
     scene: Scene, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
-) -> dict[int, PawLesson]:
-    """Return what clicks teach: frame to example.
+) -> dict[int, PawTrainingFrame]:
+    """Return the frames with clicks, to train on.
 
     A paw that is clicked in other views only may be in sight.
 
@@ -173,7 +173,7 @@ def clicked_lessons(
     dict
         Frame to example.
     """
-    lessons = {}
+    training_frames = {}
     views = range(len(layout.views))
     most = max(len({place.point for place in here}) for here in clicks.values())
     for frame, here in clicks.items():
@@ -185,14 +185,14 @@ def clicked_lessons(
             shown = scene.projection.project(np.array(others))[:, v] if others else np.empty((0, 2))
             doubtful.append(shown)
         whole = len({place.point for place in here}) == most
-        lessons[frame] = PawLesson(paws, doubtful, whole=whole)
-    return lessons
+        training_frames[frame] = PawTrainingFrame(paws, doubtful, whole=whole)
+    return training_frames
 
 
-def tracked_lessons(
+def tracked_training_frames(
     refined: SmoothedTracks, scene: Scene, tracked: BoolArray, *, first: int
-) -> dict[int, PawLesson]:
-    """Return what tracks teach where they are certain and the paw was seen: frame to example.
+) -> dict[int, PawTrainingFrame]:
+    """Return frames in which tracks are certain and the paw was seen, to train on.
 
     Parameters
     ----------
@@ -213,17 +213,17 @@ def tracked_lessons(
     shown = scene.projection.project(refined.x)  # (n, P, V, 2)
     seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
     sure = refined.sd.mean(axis=-1) < LEARNT.paw_sure * scene.paw_width
-    lessons = {}
+    training_frames = {}
     for row in np.unique(
         np.linspace(0, len(shown) - 1, LEARNT.paw_frames).round().astype(int)
     ).tolist():
         own = seen[row] & sure[row] & tracked
-        lessons[first + row] = PawLesson(
+        training_frames[first + row] = PawTrainingFrame(
             [shown[row, here, v] for v, here in enumerate(own)],
             [shown[row, ~here, v] for v, here in enumerate(own)],
             clicked=False,
         )
-    return lessons
+    return training_frames
 
 
 def with_paw_looks(
@@ -231,7 +231,7 @@ def with_paw_looks(
     layout: Layout,
     scene: Scene,
     *,
-    lessons: Mapping[int, PawLesson],
+    training_frames: Mapping[int, PawTrainingFrame],
     parameters: AppearanceParameters,
 ) -> Scene:
     """Return a scene with appearances that are learnt from examples.
@@ -244,7 +244,7 @@ def with_paw_looks(
         Points and views.
     scene : Scene
         What the clicks say.
-    lessons : mapping
+    training_frames : mapping
         Frame to where paws are.
     parameters : AppearanceParameters
         Of the classifier.
@@ -254,7 +254,7 @@ def with_paw_looks(
     Scene
         The same scene with other appearances.
     """
-    pictures = _pictures(views, layout, scene, lessons)
+    pictures = _pictures(views, layout, scene, training_frames)
     levels = np.concatenate([grey(p.pixels).ravel()[::7] for p in pictures])
     black, white = (float(x) for x in np.percentile(levels, CAMERA.percentiles))
     is_colour = all(has_colour(p.pixels) for p in pictures)
@@ -309,14 +309,14 @@ class _Picture:
 
 
 def _pictures(
-    views: Views, layout: Layout, scene: Scene, lessons: Mapping[int, PawLesson]
+    views: Views, layout: Layout, scene: Scene, training_frames: Mapping[int, PawTrainingFrame]
 ) -> list[_Picture]:
     """Return the searched part of each view of each example."""
     found = []
-    for frame, lesson in sorted(lessons.items()):
+    for frame, training_frame in sorted(training_frames.items()):
         opened = views.frame(frame)
         for v, name in enumerate(layout.views):
-            paws, doubtful = lesson.paws[v], lesson.doubtful[v]
+            paws, doubtful = training_frame.paws[v], training_frame.doubtful[v]
             if not len(paws):
                 continue
             detector, roi = scene.detectors[v], scene.rois[v]
@@ -327,9 +327,9 @@ def _pictures(
             paws, doubtful = (
                 (at - origin + 0.5) / detector.shrink - 0.5 for at in (paws, doubtful)
             )
-            copies = LEARNT.paw_copies if lesson.clicked else LEARNT.paw_copies_tracked
+            copies = LEARNT.paw_copies if training_frame.clicked else LEARNT.paw_copies_tracked
             pixels = normalise_illumination(pixels, detector.illumination)
-            found.append(_Picture(v, pixels, paws, doubtful, copies, lesson.whole))
+            found.append(_Picture(v, pixels, paws, doubtful, copies, training_frame.whole))
     return found
 
 

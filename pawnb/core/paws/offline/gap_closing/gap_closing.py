@@ -10,7 +10,7 @@ from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.clutter.limb_clutter import learn_limb_clutter
-from pawnb.core.paws.offline.gap_closing.clutter.wrist_decoys import follow_wrist_decoys
+from pawnb.core.paws.offline.gap_closing.clutter.wrist_clutter import follow_wrist_clutter
 from pawnb.core.paws.offline.gap_closing.conflicts import ClosedGap, resolve_conflicts
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
@@ -79,14 +79,14 @@ def close_gaps(
     substrate = learn_substrate(sure, motion_model, liftoff_velocity=state.stride.liftoff_velocity)
     stances = substrate.stances(sure)
     cost = _candidate_costs(state, is_open, observations, geometry, paw_width_px)
-    wrist_decoys = follow_wrist_decoys(
+    wrist_clutter = follow_wrist_clutter(
         stances, observations, substrate=substrate, geometry=geometry, paw_width_px=paw_width_px
     )
     parameters = _mht_parameters(motion_model)
     closer = _GapCloser(
         state,
         sure,
-        *wrist_decoys.observed(observations, cost),
+        *wrist_clutter.observed(observations, cost),
         substrate,
         stances,
         geometry.project(np.where(np.isnan(sure), state.before, sure)),
@@ -106,7 +106,7 @@ def close_gaps(
     after = substrate.stances(np.where(np.isnan(held), sure, held))
     stops = [(p, one.stop) for p, mine in enumerate(after) for one in mine]
     lift_offs = [(p, stop - 1) for p, stop in stops if stop < len(is_open)]
-    choice, cost = wrist_decoys.left_out(choice, cost)
+    choice, cost = wrist_clutter.left_out(choice, cost)
     return GapClosing(is_open, choice, cost, held, lift_offs, substrate, after)
 
 
@@ -114,7 +114,7 @@ def _mht_parameters(motion_model: MotionModel) -> MHTParameters:
     """Return the parameters for points that move so."""
     fps = motion_model.fps
     return mht_parameters(
-        jerk=motion_model.jerk, impulse=GAP_CLOSING.gap_closing_kick * motion_model.speed,
+        jerk=motion_model.jerk, impulse=GAP_CLOSING.gap_closing_manoeuvre * motion_model.speed,
         noise=GAP_CLOSING.certain_sd * motion_model.paw_width,
         reach=GAP_CLOSING.reach * motion_model.body_scale,
         rising=max(1, round(GAP_CLOSING.rising_s * fps)),

@@ -49,7 +49,7 @@ class ProcessNoise(NamedTuple):
 
     Parameters
     ----------
-    plain, kicked, lifted : ndarray, shape (3 d (3 d + 1) / 2,)
+    plain, manoeuvring, lifted : ndarray, shape (3 d (3 d + 1) / 2,)
         Covariances of what happens between two frames: usually, where a point gets an impulse,
         and where it lifts off.
     substrate_velocity, liftoff_velocity : ndarray, shape (d,)
@@ -59,7 +59,7 @@ class ProcessNoise(NamedTuple):
     """
 
     plain: np.ndarray
-    kicked: np.ndarray
+    manoeuvring: np.ndarray
     lifted: np.ndarray
     substrate_velocity: np.ndarray
     liftoff_velocity: np.ndarray
@@ -194,11 +194,11 @@ def predict(
     d = len(process_noise.substrate_velocity)
     _stepped(now, n, then)
     for e in range(len(process_noise.plain)):
-        plain, kicked = process_noise.plain[e], process_noise.kicked[e]
+        plain, manoeuvring = process_noise.plain[e], process_noise.manoeuvring[e]
         for b in range(n):
             spread = then.covariance[e, b]
             then.covariance[e, b] = spread + plain
-            then.covariance[e, n + b] = spread + kicked
+            then.covariance[e, n + b] = spread + manoeuvring
     for j in range(len(then.mean)):
         for b in range(n):
             then.mean[j, n + b] = then.mean[j, b]
@@ -269,7 +269,7 @@ def _lift_off(hypotheses: HypothesisBank, b: int, process_noise: ProcessNoise) -
         hypotheses.mean[i, b] += 0.5 * process_noise.liftoff_velocity[i]
         hypotheses.mean[d + i, b] += process_noise.liftoff_velocity[i]
     for e in range(len(process_noise.lifted)):
-        hypotheses.covariance[e, b] += process_noise.lifted[e] - process_noise.kicked[e]
+        hypotheses.covariance[e, b] += process_noise.lifted[e] - process_noise.manoeuvring[e]
 
 
 @compiled

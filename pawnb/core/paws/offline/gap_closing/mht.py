@@ -58,7 +58,7 @@ def process_noise_of(
         np.zeros_like(substrate_velocity) if liftoff_velocity is None else liftoff_velocity,
     )
     return ProcessNoise(
-        # how a paw lifts off is known better than how it is kicked
+        # how a paw lifts off is known better than how it manoeuvres
         plain[lower],
         (plain + impulse)[lower],
         (plain + parameters.lifting**2 * impulse)[lower],

@@ -17,7 +17,7 @@ class MHTParameters(NamedTuple):
     jerk : float
         Usual standard deviation of the change of acceleration from frame to frame.
     impulse : float
-        Standard deviation of the change of speed where a point is kicked.
+        Standard deviation of the change of speed where a point manoeuvres.
     noise : float
         Standard deviation of a place that is certain.
     reach : float

@@ -32,7 +32,7 @@ class GapClosingParameters:
     farthest_off_arc : float
         Squared standard deviations beyond which a point off its arc costs no more: an arc may be of
         a stance that was estimated wrongly. Set by hand.
-    gap_closing_kick : float
+    gap_closing_manoeuvre : float
         Standard deviation of what lift-off changes of a speed, in that of the fastest swings.
         Measured: front paws go up at once, by up to 1.3 of it in rendered scenes.
     rising_s, swinging_s : float
@@ -70,7 +70,7 @@ class GapClosingParameters:
     followed_s : float
         Time, s, for which wrists are followed: so long a paw may be covered before it lifts off.
         Set by hand.
-    wrist_decoys_vague : float
+    wrist_clutter_vague : float
         Cost of what a wrist says of its paw, besides how the wrist looks: it turns over the paw.
         Set by hand.
     no_paw : float
@@ -91,7 +91,7 @@ class GapClosingParameters:
     least_detection_probability : float
         Detections count as likely as this at least. Set by hand.
     mht_impulse_cost : float
-        Cost of a kick. Costs are minus log-probabilities. Set by hand.
+        Cost of a manoeuvre. Costs are minus log-probabilities. Set by hand.
     mht_good, mht_bad : float
         Standard deviation of a detection, and of one that is half occluded or blurred, in paw
         widths. Set by hand.
@@ -113,7 +113,7 @@ class GapClosingParameters:
         Standard deviation of where a point stands, and of what it moves there from frame to frame,
         in that of a certain place. Set by hand.
     mht_lifting : float
-        Standard deviation of how lift-off changes the speed, in that of a kick. Set by hand.
+        Standard deviation of how lift-off changes the speed, in that of a manoeuvre. Set by hand.
     mht_covered : float
         Cost of standing where another paw covers the point. Set by hand.
     mht_alike : float
@@ -124,7 +124,7 @@ class GapClosingParameters:
     mht_out_of_reach_cost : float
         Cost of a frame farther from where the stretch begins than a point goes. Set by hand.
     mht_pruning_cost : float
-        Hypotheses dearer than the best by this are forgotten. Set by hand.
+        Hypotheses that cost so much more than the best are forgotten. Set by hand.
     mht_most, mht_most_within : int
         Hypotheses kept from frame to frame, and from view to view within a frame: a paw that comes
         out again costs much in the first view and made good by the next. Set by hand.
@@ -155,7 +155,7 @@ class GapClosingParameters:
     gap_closing_expected: float = 0.2
     gap_closing_aside: float = 0.7
     farthest_off_arc: float = 9.0
-    gap_closing_kick: float = 0.8
+    gap_closing_manoeuvre: float = 0.8
     rising_s: float = 0.008
     swinging_s: float = 0.04
     gap_closing_dim: float = 0.7
@@ -172,7 +172,7 @@ class GapClosingParameters:
     off_arc: float = 3.0
     off_at_least: float = 0.5
     followed_s: float = 0.03
-    wrist_decoys_vague: float = 1.0
+    wrist_clutter_vague: float = 1.0
     no_paw: float = 30.0
     wrist_nearest: float = 0.8
     wrist_farthest: float = 2.5

@@ -129,16 +129,16 @@ class Again:
         inside = (self._frames >= first) & (self._frames < frames[1])
         rows = self._frames[inside] - first
         uv[rows], chance[rows] = (own[inside] for own in self._of_view(view, points))
-        lessons = {
+        training_frames = {
             row: own
-            for row, own in learnt.part(0, n).lessons.items()
+            for row, own in learnt.part(0, n).training_frames.items()
             if not self._doubted(first + row)
             and all(
                 np.linalg.norm(at - uv[row, p]) * stack.scale <= radius
                 for p, at in own.points.items()
             )
         }
-        return Earlier(Learnt(lessons, learnt.agreement), uv, chance)
+        return Earlier(Learnt(training_frames, learnt.agreement), uv, chance)
 
     @cached_property
     def _frames(self) -> IntArray:

@@ -105,7 +105,7 @@ class RegistrationParameters:
     body_turn_rad : float
         Or until it has turned so far, rad. Set by hand.
     body_away : float
-        Extents by which an animal gets away from where it was, farther than a point is wont to be
+        Extents by which an animal gets away from where it was, farther than a point usually is
         from its click. Set by hand.
     body_alike : float
         Then a frame that follows may be so much less alike (correlation) than one that stays. Set

@@ -25,7 +25,7 @@ def agreeing_share(
     stack : BodyStack
         The view.
     estimates : mapping
-        Point to where the other kinds put it; they must not have heard of this one.
+        Point to where the other kinds put it; they must not have used this one.
     radius : float
         About half a paw, in places.
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pawnb.arrays import AnyArray, Float32Array
-from pawnb.core.paws.offline.detection.appearance import Lesson
+from pawnb.core.paws.offline.detection.appearance import TrainingFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.schema import Tracks
 
@@ -30,36 +30,41 @@ class Learnt:
 
     Parameters
     ----------
-    lessons : mapping
+    training_frames : mapping
         Row to what was agreed on there; positions are px of the view.
     agreement : mapping
         Point to the share of rows in which correlation agreed (:func:`.agreeing_share`).
     """
 
-    lessons: Mapping[int, Lesson] = field(default_factory=dict)
+    training_frames: Mapping[int, TrainingFrame] = field(default_factory=dict)
     agreement: Mapping[int, float] = field(default_factory=dict)
 
     def part(self, begin: int, end: int) -> Learnt:
         """Return that of the rows from ``begin`` up to ``end``, counted from ``begin``."""
-        inside = {row - begin: own for row, own in self.lessons.items() if begin <= row < end}
+        inside = {
+            row - begin: own for row, own in self.training_frames.items() if begin <= row < end
+        }
         return Learnt(inside, self.agreement)
 
-    def working(self, stack: BodyStack) -> dict[int, Lesson]:
+    def working(self, stack: BodyStack) -> dict[int, TrainingFrame]:
         """Return the examples with positions in working px of a stack of the same rows."""
         return {
             row: _moved(own, stack.to_body[row, :, :2], stack.to_body[row, :, 2])
-            for row, own in self.lessons.items()
+            for row, own in self.training_frames.items()
         }
 
     @classmethod
     def of_working(
-        cls, lessons: Mapping[int, Lesson], agreement: Mapping[int, float], stack: BodyStack
+        cls,
+        training_frames: Mapping[int, TrainingFrame],
+        agreement: Mapping[int, float],
+        stack: BodyStack,
     ) -> Learnt:
         """Return what was learnt in working px of a stack.
 
         Parameters
         ----------
-        lessons : mapping
+        training_frames : mapping
             Row to what was learnt there, in working px.
         agreement : mapping
             Point to how far its kinds of evidence agree.
@@ -72,7 +77,7 @@ class Learnt:
             The same in px of the view.
         """
         in_view = {}
-        for row, own in lessons.items():
+        for row, own in training_frames.items():
             back = np.linalg.inv(stack.to_body[row, :, :2])
             in_view[row] = _moved(own, back, -back @ stack.to_body[row, :, 2])
         return cls(in_view, agreement)
@@ -142,13 +147,13 @@ def learnt_as_text(learnt: Mapping[str, Learnt], points: Sequence[str], first: i
         JSON, to be read by :func:`learnt_of`.
     """
 
-    def text_of(own: Lesson) -> dict[str, object]:
+    def text_of(own: TrainingFrame) -> dict[str, object]:
         places = {points[p]: np.round(uv, _DIGITS).tolist() for p, uv in own.points.items()}
         return {"points": places, "doubtful": [np.round(d, _DIGITS).tolist() for d in own.doubtful]}
 
     views = {
         view: {
-            "frames": {str(first + row): text_of(one) for row, one in own.lessons.items()},
+            "frames": {str(first + row): text_of(one) for row, one in own.training_frames.items()},
             "agreement": {points[p]: round(share, 4) for p, share in own.agreement.items()},
         }
         for view, own in learnt.items()
@@ -175,23 +180,23 @@ def learnt_of(tracks: Tracks, points: Sequence[str], first: int) -> dict[str, Le
     """
     number = {name: p for p, name in enumerate(points)}
 
-    def lesson(said: dict[str, dict[str, list[float]]]) -> Lesson:
+    def training_frame(said: dict[str, dict[str, list[float]]]) -> TrainingFrame:
         places = {number[p]: np.array(uv) for p, uv in said["points"].items() if p in number}
-        return Lesson(places, [np.array(uv) for uv in said["doubtful"]], clicked=False)
+        return TrainingFrame(places, [np.array(uv) for uv in said["doubtful"]], clicked=False)
 
     return {
         view: Learnt(
-            {int(frame) - first: lesson(own) for frame, own in said["frames"].items()},
+            {int(frame) - first: training_frame(own) for frame, own in said["frames"].items()},
             {number[p]: float(s) for p, s in said["agreement"].items() if p in number},
         )
         for view, said in json.loads(tracks.attrs.get(LEARNT_IN, "{}")).items()
     }
 
 
-def _moved(lesson: Lesson, turned: np.ndarray, shifted: np.ndarray) -> Lesson:
+def _moved(training_frame: TrainingFrame, turned: np.ndarray, shifted: np.ndarray) -> TrainingFrame:
     """Return an example whose positions have gone through an affine map."""
-    return Lesson(
-        {p: turned @ xy + shifted for p, xy in lesson.points.items()},
-        [turned @ xy + shifted for xy in lesson.doubtful],
-        clicked=lesson.clicked,
+    return TrainingFrame(
+        {p: turned @ xy + shifted for p, xy in training_frame.points.items()},
+        [turned @ xy + shifted for xy in training_frame.doubtful],
+        clicked=training_frame.clicked,
     )

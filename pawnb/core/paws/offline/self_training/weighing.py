@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.association.estimates import estimate
 from pawnb.core.paws.offline.association.positional_prior import prior_from_clicks
 from pawnb.core.paws.offline.detection.appearance import (
     appearance_maps,
-    clicked_lessons,
+    clicked_training_frames,
     learn_appearance,
 )
 from pawnb.core.paws.offline.detection.evidence import paint
@@ -155,7 +155,7 @@ class _LeftOut:
         self.row, self.part = row - begin, stack.part(begin, end)
         self.placed = self.rest.part(begin, end)
         classify = learn_appearance(
-            stack, clicked_lessons(stack, self.rest), n_points=n_points,
+            stack, clicked_training_frames(stack, self.rest), n_points=n_points,
             parameters=parameters.appearance,
         )  # fmt: skip
         self.looks = appearance_maps(

@@ -31,8 +31,8 @@ class StrideParameters:
     duty_factor_least : int
         Strides of a kind of paw from which its share is learnt. Set by hand.
     unusual_ratio : float
-        A stride or a swing this many times as long as the usual one, or as short, teaches nothing:
-        a stance was missed. Set by hand.
+        A stride or a swing this many times as long as the usual one, or as short, is not learnt
+        from: a stance was missed. Set by hand.
     duty_factor_covered : float
         Share of the time, of all points, that their usual strides make up at least. Measured: in
         rendered scenes 0.42 to 0.92. In a clip of a mouse whose paws are seen to stand for a few

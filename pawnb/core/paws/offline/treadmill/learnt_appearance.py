@@ -22,8 +22,8 @@ from pawnb.core.paws.offline.detection.colour.detections import ColourDetections
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.parameters import LEARNT
 from pawnb.core.paws.offline.detection.paw_appearance import (
-    clicked_lessons,
-    tracked_lessons,
+    clicked_training_frames,
+    tracked_training_frames,
     with_paw_looks,
 )
 from pawnb.core.paws.offline.detection.predictions import judge_predictions
@@ -186,10 +186,12 @@ def _learn_scene(
     base = scene_of_paws(views, asked, settings, least_paw_width=LEARNT.least_thickness)
     placed = {**asked.anchors, **asked.clicks}
     inside = {t: here for t, here in placed.items() if t < task.frames[1]}
-    lessons = told = clicked_lessons(base, asked.layout, inside)
+    training_frames = told = clicked_training_frames(base, asked.layout, inside)
     span = (asked.begin, task.frames[1])
     for round_ in range(TREADMILL.learnt_appearance_rounds - 1):
-        scene = with_paw_looks(views, asked.layout, base, lessons=lessons, parameters=parameters)
+        scene = with_paw_looks(
+            views, asked.layout, base, training_frames=training_frames, parameters=parameters
+        )
         seen = scan_and_follow(
             views, span, scene, follower=None, anchors=asked.anchors, store=None,
             task=_part(task, round_),
@@ -198,9 +200,15 @@ def _learn_scene(
             return None
         seen = _with_predictions(seen, scene, asked, task)
         refined = solve(seen, scene, asked, task=task, settings=settings)
-        tracked = tracked_lessons(refined, scene, asked.layout.tracked, first=task.frames[0])
-        lessons = told | {t: lesson for t, lesson in tracked.items() if t not in told}
-    return with_paw_looks(views, asked.layout, base, lessons=lessons, parameters=parameters)
+        tracked = tracked_training_frames(
+            refined, scene, asked.layout.tracked, first=task.frames[0]
+        )
+        training_frames = told | {
+            t: training_frame for t, training_frame in tracked.items() if t not in told
+        }
+    return with_paw_looks(
+        views, asked.layout, base, training_frames=training_frames, parameters=parameters
+    )
 
 
 def _learnt_from(

@@ -1,4 +1,4 @@
-"""Where a point is wont to be: about its clicks, and where it was found."""
+"""Where a point usually is: about its clicks, and where it was found."""
 
 from __future__ import annotations
 

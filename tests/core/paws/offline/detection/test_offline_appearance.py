@@ -7,7 +7,7 @@ import pytest
 
 from pawnb.core.paws.offline.detection import appearance
 from pawnb.core.paws.offline.detection.appearance import (
-    Lesson,
+    TrainingFrame,
     appearance_maps,
     learn_appearance,
 )
@@ -48,8 +48,8 @@ def stack(make_stack, make_texture):
 @pytest.fixture(scope="module")
 def maps(stack):
     """Point 0 is striped, 2 is checked; point 1 was not clicked."""
-    lesson = Lesson({0: np.array(STRIPED[0], float), 2: np.array(CHECKED[0], float)})
-    classify = learn_appearance(stack, {0: lesson}, n_points=3, parameters=PARAMETERS)
+    training_frame = TrainingFrame({0: np.array(STRIPED[0], float), 2: np.array(CHECKED[0], float)})
+    classify = learn_appearance(stack, {0: training_frame}, n_points=3, parameters=PARAMETERS)
     return appearance_maps(stack, classify, points=[0, 1, 2], parameters=PARAMETERS)
 
 
@@ -76,8 +76,8 @@ def test_a_point_that_was_not_clicked_is_nowhere_and_ratios_are_bounded(maps):
 
 
 def test_rows_that_are_asked_for_are_those_of_the_whole(maps, stack):
-    lesson = Lesson({0: np.array(STRIPED[0], float), 2: np.array(CHECKED[0], float)})
-    classify = learn_appearance(stack, {0: lesson}, n_points=3, parameters=PARAMETERS)
+    training_frame = TrainingFrame({0: np.array(STRIPED[0], float), 2: np.array(CHECKED[0], float)})
+    classify = learn_appearance(stack, {0: training_frame}, n_points=3, parameters=PARAMETERS)
     alone = appearance_maps(stack, classify, points=[2], parameters=PARAMETERS, rows=[1])
     assert list(alone) == [2]
     # and learning is deterministic; blurs differ in the last digits
@@ -92,8 +92,8 @@ def test_a_doubtful_place_is_no_background(stack, monkeypatch):
     )
     every = AppearanceParameters(copies=1, background=10**6)
     for doubtful in ((), (np.array(CHECKED[0], float),)):
-        lesson = Lesson({0: np.array(STRIPED[0], float)}, doubtful)
-        learn_appearance(stack, {0: lesson}, n_points=1, parameters=every)
+        training_frame = TrainingFrame({0: np.array(STRIPED[0], float)}, doubtful)
+        learn_appearance(stack, {0: training_frame}, n_points=1, parameters=every)
     # places are 4 px apart, the radius is 10 px: the point's are those within 0.55 radii, and
     # up to 1 radius nothing is said; of the doubtful place up to 1.2 radii
     assert (taken[0] == 1).sum() == pytest.approx(np.pi * 5.5**2 / 16, abs=3)

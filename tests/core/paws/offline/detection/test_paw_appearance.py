@@ -15,8 +15,8 @@ from pawnb.core.paws.offline.detection.paw_appearance import (
     _lots,
     _Picture,
     _Reading,
-    clicked_lessons,
-    tracked_lessons,
+    clicked_training_frames,
+    tracked_training_frames,
 )
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 
@@ -90,22 +90,22 @@ def test_a_paw_that_is_clicked_in_another_view_is_doubtful_in_this_one():
     layout = SimpleNamespace(views=("a", "b"), points=("FR", "FL"))
     here = [Placement(0, 0, np.array([5.0, 6.0])), Placement(1, 1, np.array([120.0, 130.0]))]
     anchors = {7: {0: np.array([5.0, 6.0, 0.0]), 1: np.array([20.0, 30.0, 0.0])}}
-    lesson = clicked_lessons(scene(anchors), layout, {7: here})[7]
-    np.testing.assert_array_equal(lesson.paws[0], [[5, 6]])
-    np.testing.assert_array_equal(lesson.doubtful[0], [[20, 30]])
-    np.testing.assert_array_equal(lesson.doubtful[1], [[105, 106]])
-    assert lesson.whole
+    training_frame = clicked_training_frames(scene(anchors), layout, {7: here})[7]
+    np.testing.assert_array_equal(training_frame.paws[0], [[5, 6]])
+    np.testing.assert_array_equal(training_frame.doubtful[0], [[20, 30]])
+    np.testing.assert_array_equal(training_frame.doubtful[1], [[105, 106]])
+    assert training_frame.whole
 
 
 def test_where_fewer_paws_are_clicked_than_elsewhere_nothing_is_background():
     layout = SimpleNamespace(views=("a",), points=("FR", "FL"))
     one = Placement(0, 0, np.array([5.0, 6.0]))
     both = [one, Placement(0, 1, np.array([20.0, 6.0]))]
-    lessons = clicked_lessons(scene(), layout, {0: [one], 4: both})
-    assert not lessons[0].whole
-    assert lessons[4].whole
+    training_frames = clicked_training_frames(scene(), layout, {0: [one], 4: both})
+    assert not training_frames[0].whole
+    assert training_frames[4].whole
     # with no better frame this one has to do
-    assert clicked_lessons(scene(), layout, {0: [one]})[0].whole
+    assert clicked_training_frames(scene(), layout, {0: [one]})[0].whole
 
 
 def test_tracks_teach_where_they_are_certain_and_in_views_that_track_the_point():
@@ -117,11 +117,11 @@ def test_tracks_teach_where_they_are_certain_and_in_views_that_track_the_point()
     measured = np.zeros((4, 2, 2, 2))
     measured[1, 0, 0] = np.nan
     tracks = SimpleNamespace(x=x, sd=sd, measured=measured)
-    lessons = tracked_lessons(tracks, scene(), tracked, first=10)
-    assert sorted(lessons) == [10, 11, 12, 13]
-    np.testing.assert_array_equal(lessons[10].paws[0], [[0, 0], [50, 50]])
-    np.testing.assert_array_equal(lessons[10].paws[1], [[150, 150]])
-    np.testing.assert_array_equal(lessons[11].paws[0], [[50, 50]])
-    np.testing.assert_array_equal(lessons[13].paws[0], [[0, 0]])
-    np.testing.assert_array_equal(lessons[13].doubtful[0], [[50, 50]])
-    assert not lessons[13].clicked
+    training_frames = tracked_training_frames(tracks, scene(), tracked, first=10)
+    assert sorted(training_frames) == [10, 11, 12, 13]
+    np.testing.assert_array_equal(training_frames[10].paws[0], [[0, 0], [50, 50]])
+    np.testing.assert_array_equal(training_frames[10].paws[1], [[150, 150]])
+    np.testing.assert_array_equal(training_frames[11].paws[0], [[50, 50]])
+    np.testing.assert_array_equal(training_frames[13].paws[0], [[0, 0]])
+    np.testing.assert_array_equal(training_frames[13].doubtful[0], [[50, 50]])
+    assert not training_frames[13].clicked

@@ -278,9 +278,9 @@ def lift_off(**options):
     return taken
 
 
-def test_a_paw_that_lifts_off_is_followed_by_a_kick():
+def test_a_paw_that_lifts_off_is_followed_by_a_manoeuvre():
     np.testing.assert_array_equal(lift_off(), np.ones(8))
-    # without kicks nothing can go so fast
+    # without manoeuvres nothing can go so fast
     assert lift_off(impulse_cost=1e6)[-1] != 1
 
 

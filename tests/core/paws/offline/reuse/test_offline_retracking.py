@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline.detection.appearance import Lesson
+from pawnb.core.paws.offline.detection.appearance import TrainingFrame
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.reuse.retracking import (
     Again,
@@ -92,23 +92,23 @@ def test_other_changes_of_clicks_bear_on_the_whole(now):
     assert after_clicks(tracks, BEFORE, now) is None
 
 
-def lesson(*uv):
-    return Lesson(
+def training_frame(*uv):
+    return TrainingFrame(
         {p: np.array(at, float) for p, at in enumerate(uv)}, [np.array([1.25, 2.0])], clicked=False
     )
 
 
 def test_what_was_learnt_is_kept_in_the_file_of_tracks(tmp_path):
     tracks = make_tracks(range(10, 20), POINTS, fps=50.0, views=["side"])
-    learnt = {"side": Learnt({4: lesson((50.125, 40), (20, 40))}, {1: 0.5})}
+    learnt = {"side": Learnt({4: training_frame((50.125, 40), (20, 40))}, {1: 0.5})}
     tracks.attrs[LEARNT_IN] = learnt_as_text(learnt, POINTS, 10)
     native.write_tracks(tracks, tmp_path / "tracks.nc")
     kept = native.read_tracks(tmp_path / "tracks.nc")
     (found,) = learnt_of(kept, ("HL", "FL"), 12).values()  # other numbers, another first row
     assert found.agreement == {0: 0.5}
-    np.testing.assert_array_equal(found.lessons[2].points[1], [50.125, 40])
-    np.testing.assert_array_equal(found.lessons[2].doubtful, [[1.25, 2.0]])
-    assert not found.lessons[2].clicked
+    np.testing.assert_array_equal(found.training_frames[2].points[1], [50.125, 40])
+    np.testing.assert_array_equal(found.training_frames[2].doubtful, [[1.25, 2.0]])
+    assert not found.training_frames[2].clicked
     assert learnt_of(make_tracks(range(3), POINTS, fps=50.0), POINTS, 0) == {}
 
 
@@ -123,12 +123,12 @@ def test_frames_are_learnt_from_while_tracks_agree_and_no_correction_is_nearer(m
     tracks["image_position"][{"time": 4, "view": 0, "individual": 0, "keypoint": 1}] = np.array(
         [20.0, 60.0]
     )
-    lessons = {row: lesson((50, 40), (20, 40)) for row in (2, 4, 12, 18, 26, 34)}
-    tracks.attrs[LEARNT_IN] = learnt_as_text({"side": Learnt(lessons, {0: 0.8})}, POINTS, 0)
+    training_frames = {row: training_frame((50, 40), (20, 40)) for row in (2, 4, 12, 18, 26, 34)}
+    tracks.attrs[LEARNT_IN] = learnt_as_text({"side": Learnt(training_frames, {0: 0.8})}, POINTS, 0)
     again = Again(tracks, (10, 31), placed=[20], closed=[10, 30])
     earlier = again.earlier("side", POINTS, frames=(0, 40), stack=stack, radius=10.0)
     # 4 lies 20 px off by now; 18 is nearer to the correction in 20 than to the click in 10
-    assert sorted(earlier.learnt.lessons) == [2, 12, 26, 34]
+    assert sorted(earlier.learnt.training_frames) == [2, 12, 26, 34]
     assert earlier.learnt.agreement == {0: 0.8}
     np.testing.assert_array_equal(earlier.uv[4, 1], [20, 60])
     np.testing.assert_allclose(earlier.chance, 0.9)

@@ -307,7 +307,7 @@ def test_in_a_gap_a_candidate_farther_off_is_taken_unless_much_speaks_against_it
     negative_log_odds, is_taken
 ):
     truth, rng = swing()
-    # kicked, which is not of least jerk: the bridge leads past it
+    # a manoeuvre, which is not of least jerk: the bridge leads past it
     gap = range(24, 36)
     truth[gap, 0, 2] += 3.0 * np.sin(np.linspace(0.0, np.pi, len(gap) + 2))[1:-1]
     observations = see(truth, rng, hidden=[t for t in gap if t != 29])

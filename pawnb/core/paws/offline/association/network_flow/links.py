@@ -194,19 +194,19 @@ def _cheapest(
     count = 0
     for i in range(n):
         low, high = within[i, 0], within[i, 1]
-        cost, dear = np.empty(max(high - low, 0)), np.empty(max(high - low, 0))
+        cost, net_cost = np.empty(max(high - low, 0)), np.empty(max(high - low, 0))
         for k in range(len(cost)):
             j = order[low + k]
-            cost[k], dear[k] = (
+            cost[k], net_cost[k] = (
                 _link_cost(tails, heads, i, j, q, r, onset, each, vague),
                 np.inf,
             )
             if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:
                 # long good tracklets first: a place nearby is worth little if it leads nowhere
-                dear[k] = cost[k] - worth[j]
-        for rank, k in enumerate(ascending(dear)):
+                net_cost[k] = cost[k] - worth[j]
+        for rank, k in enumerate(ascending(net_cost)):
             j = order[low + k]
-            if dear[k] < np.inf and (rank < max_successors or owner[j] >= 0):
+            if net_cost[k] < np.inf and (rank < max_successors or owner[j] >= 0):
                 tail[count], head[count], price[count] = i, j, cost[k]
                 count += 1
     return tail[:count], head[:count], price[:count]

@@ -86,7 +86,7 @@ class NetworkFlowParameters:
         and with 0.3, 15 with 1.
     tracklet_association_good : float
         Largest cost of a place that tells about it. Set by hand.
-    tracklet_association_dearest, tracklet_association_worse : tuple[float, ...] or float
+    tracklet_association_cost_limits, tracklet_association_worse : tuple[float, ...] or float
         Tracklets are no paw if they cost more a frame; the limit is raised, at most to the second,
         to so much above what the clicked paws cost: with their toes spread they look less like
         ends. Set by hand.
@@ -100,7 +100,7 @@ class NetworkFlowParameters:
         their own. Set by hand.
     tracklets_ends : int
         Frames at each end from which position and speed there are taken. Set by hand.
-    tracklets_dear, tracklets_enough : tuple[float, ...] or float
+    tracklets_cost_limits, tracklets_enough : tuple[float, ...] or float
         The speed of the ground is estimated from good places; from worse ones where those make
         fewer steps than so many a frame, as where paws are dim. Set by hand.
     at_once : int
@@ -127,9 +127,9 @@ class NetworkFlowParameters:
     click_alone : float
         In a clicked frame places nearer than so many paw widths to a click are the clicked paw's.
         Set by hand.
-    dearest_linked : float
-        Places dearer than this are in no tracklet. Set by hand.
-    dearest_single : float
+    linked_cost_limit : float
+        Places that cost more than this are in no tracklet. Set by hand.
+    single_cost_limit : float
         The largest cost of a tracklet of one place. Set by hand.
     ground_within : float
         Distance, paw widths, in which steps agree with the speed of the ground. Set by hand.
@@ -186,13 +186,13 @@ class NetworkFlowParameters:
     tracklet_association_elsewhere: float = 1.5
     hopped: float = 0.3
     tracklet_association_good: float = 0.5
-    tracklet_association_dearest: tuple[float, ...] = (0.9, 1.2)
+    tracklet_association_cost_limits: tuple[float, ...] = (0.9, 1.2)
     tracklet_association_worse: float = 0.2
     tracklet_association_meeting: float = 3.0
     stood_s: float = 0.015
     tracklet_association_wanders: float = 2.0
     tracklets_ends: int = 6
-    tracklets_dear: tuple[float, ...] = (0.3, 0.6, 0.9, 1.2, 1.5)
+    tracklets_cost_limits: tuple[float, ...] = (0.3, 0.6, 0.9, 1.2, 1.5)
     tracklets_enough: float = 0.3
     at_once: int = 200
     vague: float = 0.15
@@ -203,8 +203,8 @@ class NetworkFlowParameters:
     positional_prior_blur: float = 0.05
     positional_prior_rare: float = 1e-3
     click_alone: float = 1.2
-    dearest_linked: float = 1.6
-    dearest_single: float = 0.5
+    linked_cost_limit: float = 1.6
+    single_cost_limit: float = 0.5
     ground_within: float = 0.3
     ground_fastest: float = 2.0
     kinds_reach: float = 0.33

@@ -3,7 +3,7 @@
 Without the rule that no tracklet belongs to two points, each point's cheapest path is quickly
 found. A price on every tracklet that several points want takes the place of the rule
 (Lagrangian relaxation: Held & Karp 1971, Math. Program. 1: 6-25): the sum of the cheapest
-paths less the prices is never dearer than the solution sought, and paths chosen one after
+paths less the prices never costs more than the solution sought, and paths chosen one after
 the other, none through another's tracklets, are never cheaper. A link whose use alone
 costs more than what lies between these bounds is in no solution.
 """
@@ -221,7 +221,7 @@ def _detours(
     begin: np.ndarray,
     price: np.ndarray,
 ) -> np.ndarray:
-    """Return how much dearer than its cheapest path a point's path through each link is."""
+    """Return how much more a point's path through each link costs than its cheapest path."""
     more = np.empty(len(cost))
     for p in range(len(begin)):
         reached = np.full(len(price), np.inf)

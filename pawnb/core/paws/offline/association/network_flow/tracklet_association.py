@@ -98,7 +98,7 @@ class TrackletAssociator:
         self.body_frames = max(3, round(settings.body_s * fps))
         geometry = scene.geometry
         places = geometry.hypotheses(found, most=settings.max_hypotheses, likelihood=likelihood)
-        dearest = _take_out_anchors(places, anchors, scene.paw_width)
+        cost_limit = _take_out_anchors(places, anchors, scene.paw_width)
         self._usual = where_kinds_are(places, anchors, scene, kinds=kinds, frames=self.body_frames)
         self.motion_model = _motion_model(places, scene, fps, settings)
         noise, speed = (
@@ -111,12 +111,12 @@ class TrackletAssociator:
             noise,
             speed,
             substrate_velocity,
-            NETWORK_FLOW.dearest_linked,
+            NETWORK_FLOW.linked_cost_limit,
         )
         tracklets = build_tracklets(places, linking)
         self._clicked = 1 + max(p for here in anchors.values() for p in here)
         contralateral = len(kinds) - self._clicked
-        self.tracklets = self._cut(_cheap_enough(tracklets, dearest), fps)
+        self.tracklets = self._cut(_below_cost_limit(tracklets, cost_limit), fps)
         occlusion_frame_cost = settings.occlusion_rate_cost / fps
         costs = FlowCosts(
             self.motion_model.acceleration,
@@ -256,32 +256,33 @@ class TrackletAssociator:
 
 def _take_out_anchors(places: list[PointHypotheses], anchors: Anchors, paw_width: float) -> float:
     """Take out of ``places`` what is where points were placed; return what a place may cost."""
-    dearest = NETWORK_FLOW.tracklet_association_dearest[0]
+    cost_limit = NETWORK_FLOW.tracklet_association_cost_limits[0]
     for t, here in anchors.items():
-        dearest = max(
-            dearest,
-            _dearest_click(places[t], here, paw_width) + NETWORK_FLOW.tracklet_association_worse,
+        cost_limit = max(
+            cost_limit,
+            _highest_click_cost(places[t], here, paw_width)
+            + NETWORK_FLOW.tracklet_association_worse,
         )
         away = places[t].distance(np.stack(list(here.values())))
         free = away > NETWORK_FLOW.click_alone * paw_width
         if t == 0:
             free[:] = False
         places[t] = places[t].take(free)
-    return dearest
+    return cost_limit
 
 
-def _cheap_enough(tracklets: Sequence[Tracklet], dearest: float) -> list[Tracklet]:
+def _below_cost_limit(tracklets: Sequence[Tracklet], cost_limit: float) -> list[Tracklet]:
     """Return the tracklets whose places cost less than they may on average."""
-    most = min(dearest, NETWORK_FLOW.tracklet_association_dearest[1])
+    most = min(cost_limit, NETWORK_FLOW.tracklet_association_cost_limits[1])
     return [
         tracklet
         for tracklet, cost in zip(tracklets, total_costs(tracklets), strict=True)
         if cost / len(tracklet.detection_indices)
-        < (most if len(tracklet.detection_indices) > 1 else NETWORK_FLOW.dearest_single)
+        < (most if len(tracklet.detection_indices) > 1 else NETWORK_FLOW.single_cost_limit)
     ]
 
 
-def _dearest_click(
+def _highest_click_cost(
     places: PointHypotheses, here: Mapping[int, FloatArray], paw_width: float
 ) -> float:
     """Return the largest cost of the places where points were put by hand, 0 without any."""

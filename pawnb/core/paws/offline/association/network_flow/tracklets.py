@@ -31,7 +31,7 @@ class LinkingModel:
     substrate_velocity : ndarray, shape (d,)
         The commonest speed, length per frame: that of paws on the ground.
     best_cost : float
-        Places dearer than this are left out.
+        Places that cost more than this are left out.
     """
 
     acceleration: float
@@ -120,8 +120,8 @@ def estimate_substrate_velocity(
     lag = max(1, min(lag, len(places) - 1))
     sampled = range(0, len(places) - lag, max(1, len(places) // NETWORK_FLOW.ground_frames))
     every = np.empty((0, places[0].at.shape[1]))
-    for dearest in NETWORK_FLOW.tracklets_dear:
-        pairs = [[p.at[p.cost < dearest] for p in (places[t], places[t + lag])] for t in sampled]
+    for cost_limit in NETWORK_FLOW.tracklets_cost_limits:
+        pairs = [[p.at[p.cost < cost_limit] for p in (places[t], places[t + lag])] for t in sampled]
         steps = [(later[None] - now[:, None]).reshape(-1, every.shape[1]) for now, later in pairs]
         every = np.concatenate([every[:0], *steps])
         every = every[np.linalg.norm(every, axis=1) < longest * lag]

@@ -144,17 +144,19 @@ def learn(
     Appearance
         The learnt appearance, without a background.
     """
-    lesson = _prepare(pictures, clicks, around_px, backgrounds or [None] * len(pictures))
-    look = lesson.learn()
-    if lesson.is_colour and look.mistaken > COLOUR.colour_model_alike:
+    training_set = _prepare(pictures, clicks, around_px, backgrounds or [None] * len(pictures))
+    look = training_set.learn()
+    if training_set.is_colour and look.mistaken > COLOUR.colour_model_alike:
         is_faint = look.mistaken > COLOUR.colour_model_faint
-        fine = lesson.learn(fine_colours_near(lesson.colours(is_faint), is_faint=is_faint))
+        fine = training_set.learn(
+            fine_colours_near(training_set.colours(is_faint), is_faint=is_faint)
+        )
         look = replace(fine, mistaken=look.mistaken)
     return look
 
 
 @dataclass(frozen=True)
-class _Lesson:
+class _TrainingSet:
     """What the appearance of paws is learnt from; see :func:`learn`."""
 
     pictures: Sequence[ByteArray]
@@ -254,7 +256,7 @@ def _prepare(
     clicks: Sequence[FloatArray],
     around_px: int,
     still: Sequence[ByteArray | None],
-) -> _Lesson:
+) -> _TrainingSet:
     """Return what is learnt from: of colour pictures what is about the clicks, not too fine."""
     width, shrink = float(max(picture.shape[1] for picture in pictures)), 1
     if pictures[0].ndim == 3:
@@ -265,7 +267,7 @@ def _prepare(
         width /= shrink
         parts = [_reduced(*part, shrink) for part in parts]
         pictures, clicks = [part[0] for part in parts], [part[1] for part in parts]
-    return _Lesson(pictures, clicks, around_px, still, width, shrink)
+    return _TrainingSet(pictures, clicks, around_px, still, width, shrink)
 
 
 def _scores(

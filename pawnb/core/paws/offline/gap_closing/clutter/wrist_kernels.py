@@ -1,4 +1,4 @@
-"""The inner loop of :mod:`pawnb.core.paws.offline.gap_closing.clutter.wrist_decoys`, compiled."""
+"""The inner loop of :mod:`pawnb.core.paws.offline.gap_closing.clutter.wrist_clutter`, compiled."""
 
 from __future__ import annotations
 

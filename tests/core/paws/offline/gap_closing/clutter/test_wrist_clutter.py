@@ -7,7 +7,7 @@ import pytest
 from pipeline_states import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.clutter.wrist_decoys import follow_wrist_decoys
+from pawnb.core.paws.offline.gap_closing.clutter.wrist_clutter import follow_wrist_clutter
 from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
@@ -54,7 +54,7 @@ def sights_of(at, there=None, *, detection_probability=1.0, n_points=2):
 
 def wrists_of(stance, observations):
     """Follow the wrists of the first of two points."""
-    return follow_wrist_decoys(
+    return follow_wrist_clutter(
         [[stance], []], observations, substrate=ON, geometry=Projection(None),
         paw_width_px=np.array([THICKNESS]),
     )  # fmt: skip
@@ -89,15 +89,15 @@ def test_a_wrist_says_where_its_paw_is():
 
 def test_a_wrist_is_no_measurement():
     stance, at = scene()
-    wrist_decoys = wrists_of(stance, sights_of(at))
+    wrist_clutter = wrists_of(stance, sights_of(at))
     choice = np.full((N, 2, 1), -1)
     choice[15:24, 0], choice[24:30, 0], choice[:, 1] = 1, 0, 1
-    left, negative_log_odds = wrist_decoys.left_out(choice, np.zeros((N, 2, 1, 3)))
+    left, negative_log_odds = wrist_clutter.left_out(choice, np.zeros((N, 2, 1, 3)))
     # before the stance ends it was not told by following
     expected = choice.copy()
     expected[STOP:24, 0] = -1
     np.testing.assert_array_equal(left, expected)
-    np.testing.assert_array_equal(negative_log_odds > 10, wrist_decoys.found)
+    np.testing.assert_array_equal(negative_log_odds > 10, wrist_clutter.found)
 
 
 @pytest.mark.parametrize(("where", "followed"), [(0.7, 0), (0.9, STEPS), (2.4, STEPS), (2.6, 0)])

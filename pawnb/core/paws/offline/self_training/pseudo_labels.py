@@ -1,4 +1,4 @@
-"""Frames to learn from in which appearance alone and the whole model agree (self-training)."""
+"""Pseudo-labels for self-training: frames in which appearance alone and the whole model agree."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
-from pawnb.core.paws.offline.detection.appearance import Lesson
+from pawnb.core.paws.offline.detection.appearance import TrainingFrame
 from pawnb.core.paws.offline.parameters import RUN, AppearanceParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
 
-def agreed_lessons(
+def pseudo_labelled_frames(
     stack: BodyStack,
     annotations: Annotations,
     *,
@@ -24,7 +24,7 @@ def agreed_lessons(
     name_shares: Mapping[int, FloatArray | None],
     radius: float,
     parameters: AppearanceParameters,
-) -> dict[int, Lesson]:
+) -> dict[int, TrainingFrame]:
     """Choose frames spread over the recording in which most points are agreed on.
 
     Parameters
@@ -50,7 +50,7 @@ def agreed_lessons(
     Returns
     -------
     dict
-        Row to its Lesson; points that are not agreed on are no background there.
+        Row to its frame; points that are not agreed on are no background there.
     """
     n = stack.shape[0]
     points = sorted(estimates)
@@ -65,7 +65,7 @@ def agreed_lessons(
         if share is not None:
             good[:, i] &= share > 0.0
     count = good.sum(axis=1)
-    lessons = {}
+    training_frames = {}
     random = np.random.default_rng(0)
     for part in np.array_split(np.arange(n), parameters.learnt_frames):
         if not len(part):
@@ -74,9 +74,9 @@ def agreed_lessons(
         if row in annotations.places or count[row] < max(1, len(points) / 2):
             continue
         here = {p: stack.from_grid(estimates[p].place[row]) for p in points}
-        lessons[row] = Lesson(
+        training_frames[row] = TrainingFrame(
             {p: here[p] for i, p in enumerate(points) if good[row, i]},
             [here[p] for i, p in enumerate(points) if not good[row, i]],
             clicked=False,
         )
-    return lessons
+    return training_frames

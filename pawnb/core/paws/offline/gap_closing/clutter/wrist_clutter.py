@@ -24,7 +24,7 @@ from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 
 
 @dataclass(frozen=True)
-class WristDecoys:
+class WristClutter:
     """Which detections are no paws but wrists.
 
     Parameters
@@ -52,7 +52,7 @@ class WristDecoys:
         """
         return replace(
             observations, at=observations.at - self.away
-        ), negative_log_odds + GAP_CLOSING.wrist_decoys_vague * self.found
+        ), negative_log_odds + GAP_CLOSING.wrist_clutter_vague * self.found
 
     def left_out(
         self, choice: IntArray, negative_log_odds: FloatArray
@@ -67,14 +67,14 @@ class WristDecoys:
         ), negative_log_odds + GAP_CLOSING.no_paw * self.found
 
 
-def follow_wrist_decoys(
+def follow_wrist_clutter(
     stances: Sequence[Sequence[Stance]],
     observations: Observations,
     *,
     substrate: Substrate,
     geometry: Projection,
     paw_width_px: FloatArray,
-) -> WristDecoys:
+) -> WristClutter:
     """Find wrists: detections that were apart from a paw while it surely stood.
 
     Parameters
@@ -92,7 +92,7 @@ def follow_wrist_decoys(
 
     Returns
     -------
-    WristDecoys
+    WristClutter
         Those of the frames after each stance.
     """
     n, n_points, n_views = observations.at.shape[:3]
@@ -126,7 +126,7 @@ def follow_wrist_decoys(
                 far,
             )
             found[:, p, v], away[:, p, v] = near, far
-    return WristDecoys(found, away)
+    return WristClutter(found, away)
 
 
 def _gates(paw_width_px: float) -> WristGates:
