@@ -24,7 +24,8 @@ _VERDICT = (
 _FORMATS = (
     "Formats: pawnb, movement, deeplabcut, collected, lightning-pose, sleap, anipose, dltdv-3d, "
     "dltdv, xmalab-3d, xmalab, argus-3d, argus, csv, csv-3d, table, nwb, c3d, locomouse, "
-    "authors2019, and IN also trc, qtm, vicon. "
+    "authors2019, and IN also trc, qtm, vicon, kinovea, tracker, manual-tracking, mtrackj, "
+    "trackmate. "
     "A name of OUT that says its format needs no --to: tracks.nc, tracks.csv, ...3d.csv, "
     "...xypts.csv, ...xyzpts.csv, ...DLC....csv or .h5, CollectedData....csv or .h5, "
     "....analysis.h5, .slp, .nwb, .c3d."

@@ -17,15 +17,19 @@ from pawnb.io.deeplabcut import read_collected, read_deeplabcut
 from pawnb.io.deeplabcut_out import write_collected, write_deeplabcut, write_lightning_pose
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
 from pawnb.io.dltdv_out import write_dltdv_points, write_dltdv_points3d
+from pawnb.io.imagej import read_manual_tracking, read_mtrackj
+from pawnb.io.kinovea import read_kinovea
 from pawnb.io.locomouse import read_locomouse
 from pawnb.io.locomouse_out import write_locomouse
 from pawnb.io.motion_capture import read_qtm, read_trc, read_vicon
 from pawnb.io.movement import write_movement
 from pawnb.io.nwb import read_nwb, write_nwb
+from pawnb.io.osp_tracker import read_osp_tracker
 from pawnb.io.sleap import read_sleap
 from pawnb.io.sleap_out import write_sleap
 from pawnb.io.tables import write_table
 from pawnb.io.track_tables import read_points3d_table, read_tracks_table
+from pawnb.io.trackmate import read_trackmate
 from pawnb.io.wide import read_wide_table, write_wide_table
 from pawnb.io.xmalab_out import write_xmalab_points, write_xmalab_points3d
 from pawnb.schema import Tracks
@@ -196,6 +200,23 @@ TABLE: tuple[Format, ...] = (
         name="locomouse", title="LocoMouse .mat", endings=(".mat",), holds="views",
         read=read_locomouse, write=write_locomouse,
     ),
+    Format(
+        name="kinovea", title="Kinovea .kva, .txt, .csv", endings=(".kva", ".txt", ".csv"),
+        read=read_kinovea, reads_with=_UNIT,
+    ),
+    Format(
+        name="tracker", title="Tracker .trk, table as text", endings=(".trk", ".txt", ".csv"),
+        read=read_osp_tracker, reads_with=_UNIT,
+    ),
+    Format(
+        name="manual-tracking", title="ImageJ's Manual Tracking", endings=(".xls", ".txt", ".csv"),
+        read=read_manual_tracking,
+    ),
+    Format(
+        name="trackmate", title="TrackMate .xml, .csv", endings=(".xml", ".csv"),
+        read=read_trackmate, reads_with=_UNIT,
+    ),
+    Format(name="mtrackj", title="MTrackJ .mdf", endings=(".mdf",), read=read_mtrackj),
     Format(
         name="authors2019", title="csv of the 2019 authors", endings=(".csv",), holds="views",
         read=_read_authors, write=write_authors_trial,

@@ -62,8 +62,10 @@ def recognise_format(path: str | Path) -> str:
             f"{path.name}: not tracks that are read here{said and f' ({said})'}; expected "
             "tracks.nc, tracks.csv, points3d.csv, or a file of DeepLabCut, Lightning Pose (.csv, "
             ".h5), SLEAP (.slp, .h5, .csv), Anipose (.csv), DLTdv, Argus (xypts.csv, xyzpts.csv), "
-            "movement (.nc), NWB, C3D, OpenSim (.trc), Qualisys (.tsv), Vicon (.csv) or LocoMouse "
-            "(.mat), or a csv with frame and <point>_x, <point>_y (and _z) of every point."
+            "movement (.nc), NWB, C3D, OpenSim (.trc), Qualisys (.tsv), Vicon (.csv), LocoMouse "
+            "(.mat), Kinovea (.kva, .txt, .csv), Tracker (.trk, .txt), ImageJ's Manual Tracking, "
+            "MTrackJ (.mdf) or TrackMate (.xml, .csv), or a csv with frame and <point>_x, "
+            "<point>_y (and _z) of every point."
         )
     return found
 

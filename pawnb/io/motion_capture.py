@@ -15,13 +15,12 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_text
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.lengths import units_per_unit
-from pawnb.io.points import build_tracks, by_subject, check_names
+from pawnb.io.points import build_tracks, by_subject, check_names, tell_rate
 from pawnb.schema import Tracks
 
 _TRC, _QTM = "a .trc with markers, as OpenSim reads it", "a .tsv with 3D markers, as QTM writes it"
 _VICON = "a .csv with Trajectories, as Vicon Nexus writes it"
 _NO_PLACE = ("", "nan", "null")
-_SAME_RATE = 1e-3
 _ROWS_OF_NAMES = {"trajectory_types", "frame"}
 """Rows of QTM between the names of its markers and their places."""
 _TRAJECTORIES = "Trajectories"
@@ -343,14 +342,8 @@ def _frames(counted: FloatArray, said: _Capture) -> IntArray:
 
 def _tell_doubts(said: _Capture, fps: float | None) -> None:
     """Warn of another frame rate or number of rows than the file says."""
-    if fps is not None and abs(fps - said.rate_hz) > _SAME_RATE * said.rate_hz:
-        warn_of_input(
-            f"{said.where} says {said.rate_hz:g} frames per second, and fps is given as {fps:g}, "
-            "which is used: all times and speeds follow from it; correct fps where the file is "
-            "right.",
-            InputWarning,
-            stacklevel=4,
-        )
+    if fps is not None:
+        tell_rate(said.where, said.rate_hz, fps, stacklevel=4)
     if said.n_rows is not None and said.n_rows != len(said.rows):
         warn_of_input(
             f"{said.where} says that it has {said.n_rows} frames, and has {len(said.rows)}: where "

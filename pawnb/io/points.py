@@ -8,7 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from pawnb.arrays import AnyArray, FloatArray, IntArray
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import (
     ORIGIN_CODE,
     Tracks,
@@ -19,6 +20,7 @@ from pawnb.schema import (
 )
 
 _NODE = re.compile(r"Node\(name=['\"](.+)['\"]\)")
+_SAME_RATE = 1e-3
 
 
 def build_tracks(
@@ -207,4 +209,32 @@ def check_finite(
         raise InputError(
             f"{where}: frame {frames[at[0]]}, point {points[at[-3]]!r} is at infinity; expected a "
             "number, or an empty cell where it was not seen."
+        )
+
+
+def tell_rate(where: str, said: float, fps: float, *, stacklevel: int) -> None:
+    """Warn where a file says another frame rate than is given.
+
+    Parameters
+    ----------
+    where : str
+        How the message names the file.
+    said : float
+        Frames per second that it says.
+    fps : float
+        Those that are given.
+    stacklevel : int
+        How far up the caller is whom the warning is for.
+
+    Warns
+    -----
+    InputWarning
+        If they differ by more than a thousandth.
+    """
+    if abs(fps - said) > _SAME_RATE * said:
+        warn_of_input(
+            f"{where} says {said:g} frames per second, and fps is given as {fps:g}, which is used: "
+            "all times and speeds follow from it; correct fps where the file is right.",
+            InputWarning,
+            stacklevel=stacklevel + 1,
         )

@@ -13,10 +13,12 @@ from pawnb.files import check_file
 from pawnb.io import argus
 from pawnb.io.authors2019 import HEADER_LINES
 from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, dataframe_of, program_of
+from pawnb.io.digitised import digitised_format
 from pawnb.io.dltdv import sparse_kind
 from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.motion_capture import motion_capture_format
 from pawnb.io.nwb import is_nwb
+from pawnb.io.osp_tracker import tables_in_folder
 from pawnb.io.separators import header_lines, separator_of
 from pawnb.io.tables import read_column_names
 from pawnb.io.unread import tell_folder
@@ -48,6 +50,8 @@ def find_format(path: str | Path) -> str | None:
         If there is no such file, it is empty, damaged HDF5, or text in UTF-16.
     """
     tell_folder(Path(path))
+    if Path(path).is_dir() and tables_in_folder(Path(path)):
+        return "tracker"
     path = check_file(path, expected=_EXPECTED)
     try:
         with path.open("rb") as file:
@@ -103,6 +107,8 @@ def _find_in_text(path: Path, head: bytes) -> str | None:
     lines = header_lines(head.decode("utf-8-sig", "replace"))
     if (capture := motion_capture_format(lines)) is not None:
         return capture
+    if (digitised := digitised_format(lines)) is not None:
+        return digitised
     if len(lines) > HEADER_LINES and lines[HEADER_LINES].startswith("Frames,First Camera"):
         return "authors2019"
     if len(lines) > 1 and "\t" in lines[1] and len(lines[1].split()) == 3:

@@ -19,16 +19,15 @@ TEXTS = {
     "mmpose.json": ('{"meta_info":{},"instance_info":[{"frame_id":1}]}', "MMPose"),
     "ls.json": ('[{"data": {}, "annotations": [{"result": []}]}]', "Label Studio, .*; write its"),
     "coco.json": ('{"images": [{"file_name": "a.png"}], "annotations": []}', "COCO.*--from coco"),
-    "clip.kva": ('<?xml version="1.0"?>\n<KinoveaVideoAnalysis>\n', "Kinovea"),
-    "kinovea.csv": ('Time (ms),"Trajectory 1/0/X","Trajectory 1/0/Y"\n0,1.0,2.0\n', "Kinovea"),
-    "clip.trk": ('<?xml version="1.0"?>\n<object class="org.opensourcephysics.x">\n', "Tracker"),
-    "tracker.txt": ("\tmass_A\t\nt\tx\ty\t\n0.0\t1.2\t-3.4\t\n", "a table of Tracker"),
-    "trackmate.xml": ('<?xml version="1.0"?>\n<TrackMate version="7.11.1">\n', "TrackMate"),
-    # POSITION_X, POSITION_Y and POSITION_Z looked like DLTdv's
-    "spots.csv": (
-        "LABEL,ID,TRACK_ID,QUALITY,POSITION_X,POSITION_Y,POSITION_Z,FRAME\nLabel,,,,,,,\n",
-        "TrackMate",
+    # FormMultiTrajectoryAnalysis.cs and CSVHelper.cs of Kinovea; a spreadsheet of a user
+    "kinematics.csv": ('"Time (ms)","FR","HR"\n"0","1.0","2.0"\n', "kinematics.*name its .kva"),
+    "kinovea.xml": (
+        '<?xml version="1.0" encoding="utf-8"?><?mso-application progid="Excel.Sheet"?><Workbook>',
+        "as Kinovea exports for Excel.*name the .kva",
     ),
+    "tracker.txt": ("\tmass_A\t\nt\tv\t\n0.0\t1.2\t\n", "Tracker without x and y"),
+    "edges.csv": ("LABEL,TRACK_ID,SPOT_SOURCE_ID,SPOT_TARGET_ID\n", "TrackMate.*table of spots"),
+    "results.csv": (" ,Area,Mean,Min,Max,X,Y,Slice\n1,0,9,9,9,5,6,1\n", "ImageJ.*Manual Tracking"),
     "ik.mot": ("Coordinates\nversion=1\nnRows=2\ninDegrees=yes\nendheader\ntime\n", "trc"),
     "points.csv": ("frame_idx,node,x,y,track\n0,FR,1,2,m1\n", 'format="sleap"'),
     "frames.csv": ("frame_idx,inst0.track,inst0.FR.x,inst0.FR.y\n0,m1,1,2\n", 'format="sleap"'),
@@ -36,7 +35,6 @@ TEXTS = {
     # aniposelib 0.8
     "idtracker.json": ('{"trajectories": [[[1.0, 2.0]]]}', "idtracker.ai.* needs its feet"),
     "fish0.csv": ("frame,time,X#wcentroid (cm),Y#wcentroid (cm),poseX0\n0,0,1,2,3\n", "TRex"),
-    "hand.csv": (" ,Track n°,Slice n°,X,Y,Distance\n1,1,1,5,6,-1\n", "ImageJ.* count from 1"),
     "moseq.csv": ("syllable,centroid x,centroid y,heading\n0,1,1,0\n", "keypoint-moseq.*tracks"),
     "motive.csv": ("Format Version,1.23,Take Name,T1\n\n,Type,Marker\n", "Motive.* export .c3d"),
     "a_xyzres.csv": ("pt1_dltres,pt2_dltres\n1.0,1.0\n", "DLTdv.* name the xypts"),

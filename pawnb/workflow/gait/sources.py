@@ -17,6 +17,7 @@ from pawnb.gait import GaitTables
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
+from pawnb.io.osp_tracker import tables_in_folder
 from pawnb.io.unread import tell_folder
 from pawnb.schema import Tracks
 from pawnb.trial import Animal, Trial, load_trial
@@ -199,9 +200,11 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         for name in ("trial.toml", "tracks.nc", "events.csv"):
             if (path / name).exists():
                 return read_source(path / name, fps=fps)
+        if tables_in_folder(path):
+            return _read_tracks(path, fps)
         raise InputError(
             f"{path}: neither a trial nor results; expected a trial.toml, a tracks.nc or an "
-            "events.csv in it."
+            "events.csv in it, or tables of Tracker's points only."
         )
     check_file(path, expected="a trial, a results folder, tracks or an events.csv")
     if path.suffix == ".toml":
@@ -218,6 +221,11 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
     if (own := _trial_of_results(path)) is not None:
         return _read_trial(own, own.folder / "trial.toml")
+    return _read_tracks(path, fps)
+
+
+def _read_tracks(path: Path, fps: float | None) -> GaitSource:
+    """Read tracks of any program."""
     program = recognise_format(path)
     tracks = read_any_tracks(path, fps=fps, program=program)
     tell_fault(tracks, path)
