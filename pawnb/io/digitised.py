@@ -220,10 +220,12 @@ def frames_of_times(times: FloatArray, *, fps: float, where: str) -> IntArray:
     step = float((times[-1] - times[0]) / np.rint(gaps / step).sum())
     first = 0 if times[0] < 0 else int(np.rint(times[0] / step))
     frames = np.rint((times - times[0]) / step).astype(np.int64) + first
-    if (np.diff(frames) < 1).any():
+    if (close := np.flatnonzero(np.diff(frames) < 1)).size:
+        first, second = times[close[0]], times[close[0] + 1]
         raise InputError(
-            f"{where}: times such as {times[1]:g} are rounded so coarsely that frames cannot be "
-            "told apart; let the program write times in frames or milliseconds, and export again."
+            f"{where}: times {first:g} and {second:g} are those of one frame, as most go in steps "
+            f"of {step:.4g}: rounded too coarsely, or wrong; let the program write times in frames "
+            "or milliseconds, and export again."
         )
     expected = (1 / fps, 1e3 / fps, 1e6 / fps, 1.0)
     if not any(abs(step - one) <= _SAME_STEP * one for one in expected):

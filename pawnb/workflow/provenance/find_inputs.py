@@ -76,7 +76,7 @@ def find_inputs(
     for label, checksum in checksums.items():
         parts = Path(label).parts
         tails = [Path(*parts[k:]) for k in range(len(parts))]
-        there = [f for place in places for tail in tails if (f := place / tail).is_file()]
+        there = [f for place in places for tail in tails if _is_input(f := place / tail)]
         # what lies farther off may be another trial's: only the very file is taken for it
         near = (
             []
@@ -116,9 +116,14 @@ def _say_missing(changed: list[str], absent: list[str], others: list[Path], *, o
     return f"{'; and '.join(said)}."
 
 
+def _is_input(path: Path) -> bool:
+    """Say whether something is a file, or a folder that has files, as tables of one foot each."""
+    return path.is_file() or (path.is_dir() and any(item.is_file() for item in path.iterdir()))
+
+
 def _within(place: Path, label: str) -> list[Path]:
     """Return the files of that name one or two folders down."""
     if place == place.parent:  # the root of all holds more than anybody's inputs
         return []
     name = glob.escape(label)
-    return [f for up in ("*", "*/*") for f in sorted(place.glob(f"{up}/{name}")) if f.is_file()]
+    return [f for up in ("*", "*/*") for f in sorted(place.glob(f"{up}/{name}")) if _is_input(f)]
