@@ -72,7 +72,8 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
     -------
     xarray.Dataset
         Tracks in px, confidence is the file's likelihood (unknown where the smoother gave 0 to
-        every point, as some of its releases do). Pixels are taken as they are.
+        every point, as some of its releases do). Pixels are taken as they are. An animal that
+        DeepLabCut 3 filled up, with -1 or 0 for x, y and likelihood, is missing.
         Frames without a row are missing, and the provenance says which they are.
 
     Raises
@@ -184,9 +185,14 @@ def _build(
     said = picked("likelihood") if any(c[2] == "likelihood" for c in named) else None
     if said is not None and scorer == SMOOTHER and not np.nan_to_num(said).any():
         said = None
+    places = np.stack([picked(axis) for axis in axes], axis=-1)
+    if said is not None:  # DeepLabCut 3 fills up animals that it did not find: all -1, or all 0
+        every = np.concatenate([places, said[..., None]], axis=-1)
+        lost = (every == -1).all(axis=-1) | (every == 0).all(axis=-1)
+        places = np.where(lost[..., None], np.nan, places)
     return build_tracks(
         frames,
-        np.stack([picked(axis) for axis in axes], axis=-1),
+        places,
         said,
         points=points,
         fps=fps,

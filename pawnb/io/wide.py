@@ -20,6 +20,8 @@ from pawnb.schema import Tracks, check_columns
 _COLUMN = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
 _CONFIDENCE = ("likelihood", "confidence", "score", "visibility", "p")
 """What is called so behind a point is its confidence; SimBA calls it p, MediaPipe visibility."""
+_MOST_CONFIDENCE = 2.0
+"""Above, confidences are no parts of 1. Set by hand: scores of SLEAP go a little beyond 1."""
 _SPELT = re.compile(rf"(?P<point>.+)[_. ](?P<what>[xyz]|{'|'.join(_CONFIDENCE)})", re.IGNORECASE)
 _FRAME = re.compile(r"frames?([_ ]?(idx|index|number|num|no\.?))?", re.IGNORECASE)
 _SEVERAL = re.compile(r"inst\d+\..+|TRACK_ID")
@@ -115,7 +117,8 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     Warns
     -----
     InputWarning
-        If all places lie between 0 and 1, as parts of a picture do.
+        If all places lie between 0 and 1, as parts of a picture do, or confidences go beyond 2,
+        as percents do.
 
     Examples
     --------
@@ -148,7 +151,8 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
         for axis in axes
     ]
     place = np.column_stack(columns).reshape(len(cells), len(points), 1, len(axes))
-    _tell_parts(place, where)
+    visible = any(f"{point}_visibility" in cells for point in points)
+    _tell_parts(place[..., :2] if visible else place, where)
     return build_tracks(
         read_numbers(cells, "frame", where=where, whole=True),
         place,
@@ -175,7 +179,10 @@ def _in_our_spelling(cells: pd.DataFrame, where: str) -> pd.DataFrame:
 
 
 def _tell_parts(place: FloatArray, where: str) -> None:
-    """Warn of places in a plane that are parts of a picture's width and height."""
+    """Warn of places in a plane that are parts of a picture's width and height.
+
+    Of places in space only MediaPipe's x and y come here: others may be less than 1 m apart.
+    """
     seen = place[np.isfinite(place)]
     if place.shape[-1] == 2 and seen.size and seen.min() >= 0 and 0 < seen.max() <= 1:
         warn_of_input(
@@ -194,6 +201,14 @@ def _confidence(cells: pd.DataFrame, points: Sequence[str], *, where: str) -> Fl
         name = next((n for word in _CONFIDENCE if (n := f"{point}_{word}") in cells), None)
         if name is not None:
             told[:, k, 0] = read_numbers(cells, name, where=where, empty=True)
+    if np.nanmax(told, initial=0.0) > _MOST_CONFIDENCE:
+        warn_of_input(
+            f"{where}: confidences are up to {np.nanmax(told):g}, and parts of 1 are expected: a "
+            "threshold such as min_confidence=0.6 would leave nothing out; where they are in "
+            "percent, divide them by 100.",
+            InputWarning,
+            stacklevel=3,
+        )
     return told if np.isfinite(told).any() else None
 
 

@@ -67,3 +67,31 @@ def test_parts_of_a_picture_are_no_pixels_and_that_is_said(tmp_path):
     table.to_csv(path, index=False)
     with pytest.warns(InputWarning, match="all places lie between 0 and 1, as MediaPipe"):
         load_tracks(path, fps=100.0)
+
+
+def test_parts_of_a_picture_are_told_beside_the_depth_of_mediapipe(tmp_path):
+    # pose_landmarks of MediaPipe: x and y are parts of the picture, z a depth, and visibility
+    table = pd.DataFrame({"frame": range(4), "left_heel_x": [0.2, 0.3, 0.4, 0.5]})
+    table["left_heel_y"], table["left_heel_z"] = 0.6, -0.4
+    path = tmp_path / "landmarks.csv"
+    table.to_csv(path, index=False)
+    load_tracks(path, fps=100.0)  # in metres, points may be as near as that
+    table["left_heel_visibility"] = 0.99
+    table.to_csv(path, index=False)
+    with pytest.warns(InputWarning, match=r"all places lie between 0 and 1, as MediaPipe"):
+        load_tracks(path, fps=100.0)
+
+
+def test_confidences_in_percent_are_said(tmp_path):
+    table = pd.DataFrame({"frame": [0, 1], "FR_x": [5.0, 6.0], "FR_y": 7.0})
+    path = tmp_path / "points.csv"
+    for top, said in ((98.5, True), (1.02, False)):
+        table["FR_likelihood"] = [top, 0.4]
+        table.to_csv(path, index=False)
+        if said:
+            with pytest.warns(
+                InputWarning, match=r"up to 98.5, and parts of 1 .* divide them by 100"
+            ):
+                load_tracks(path, fps=100.0)
+        else:
+            load_tracks(path, fps=100.0)
