@@ -13,7 +13,7 @@ import pandas as pd
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import is_copy
 from pawnb.gait import GaitTables, analyse
-from pawnb.io.formats import recognise_format
+from pawnb.io.formats import TABLE, recognise_format
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.calibration_points import CLICK_FILE
@@ -47,7 +47,7 @@ from pawnb.workflow.workbench.states import (
 from pawnb.workflow.workbench.used_frames import write_frames, write_tracks_file
 
 Progress = Callable[..., None]
-_TRACK_ENDINGS = (".csv", ".tsv", ".h5", ".slp", ".nc", ".nwb", ".c3d")
+_TRACK_ENDINGS = frozenset(ending for one in TABLE for ending in one.endings)
 """Of files that other programs keep tracks in."""
 _CLICK_FILES = ("start.csv", CLICK_FILE, WAND_FILE)
 """What a person clicked has the columns of tracks."""
@@ -148,7 +148,7 @@ class WorkbenchSession:
         }
         found = []
         for path in sorted(self.folder.iterdir()):
-            if path.suffix not in _TRACK_ENDINGS or path.name in _CLICK_FILES:
+            if path.suffix.lower() not in _TRACK_ENDINGS or path.name in _CLICK_FILES:
                 continue
             if is_copy(path, "before"):  # clicks as they were before they were changed
                 continue

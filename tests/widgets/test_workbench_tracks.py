@@ -10,6 +10,7 @@ import pytest
 import small_trial as scene
 
 from pawnb import load_tracks, load_trial
+from pawnb.widgets.workbench_session import WorkbenchSession
 
 FL_TO_FR = ("FL", "FR")
 
@@ -127,6 +128,21 @@ def test_files_of_one_animal_and_legs_by_other_names_are_told(real_data, tmp_pat
         rows = list(csv.DictReader(file))
     assert {(row["animal"], row["group"]) for row in rows} == {("m1", "old"), ("m2", "young")}
     assert {row["leg"] for row in rows} == {"FR", "HL"}
+
+
+def test_files_of_every_format_are_found(tmp_path):
+    """Those of OpenSim, Kinovea, Tracker and ImageJ were not looked at for their endings."""
+    table = "\tFR\t\t\nt\tx\ty\t\n0.0\t1.0\t2.0\t\n"
+    for name, text in {
+        "a.trc": "PathFileType\t4\t(X/Y/Z)\ta.trc\n",
+        "b.kva": '<?xml version="1.0"?>\n<KinoveaVideoAnalysis>\n</KinoveaVideoAnalysis>',
+        "c.txt": table,
+        "d.mdf": "MTrackJ 1.5.1 Data File\n",
+        "notes.txt": "sunny\n",
+    }.items():
+        (tmp_path / name).write_text(text)
+    found = [path.name for path in WorkbenchSession(tmp_path).track_files()]
+    assert found == ["a.trc", "b.kva", "c.txt", "d.mdf"]
 
 
 def test_one_file_of_each_recording_is_chosen(real_data, tmp_path, opened):

@@ -178,7 +178,7 @@ def test_points3d_of_another_program_need_only_a_frame_rate(tmp_path):
     [
         ("nowhere", "no such file; expected a trial, a results folder, tracks or an events.csv."),
         ("empty", "neither a trial nor results; expected a trial.toml, a tracks.nc or an "
-                  "events.csv in it."),
+                  "events.csv in it, or tables of Tracker's points only."),
     ],
 )  # fmt: skip
 def test_what_is_no_input_is_refused(tmp_path, name, message):
