@@ -167,10 +167,12 @@ def _of_text(text: str, where: str) -> dict[str, FloatArray]:
             )
     found: dict[str, FloatArray] = {}
     for k, (name, rows) in enumerate(blocks, start=1):
+        if not rows:
+            continue  # a trajectory without a point
         widths = {len(row) for row in rows}
-        if rows and (len(widths) > 1 or min(widths) % 2 == 0 or min(widths) < 3):
+        if len(widths) > 1 or min(widths) % 2 == 0 or min(widths) < 3:
             raise InputError(f"{where}: {name or k} has a row without time, x and y; export anew.")
-        values = np.array(rows, dtype=float).reshape(len(rows), -1)
+        values = np.array(rows, dtype=float)
         own = name or f"track{k}"
         several = values.shape[1] > 3  # an angle or a figure with several points
         for j in range(1, values.shape[1], 2):

@@ -200,8 +200,8 @@ def _of_table(
                 for cell in (*cells, *[""] * len(lines[at + 1].split(mark)))
             ])  # fmt: skip
     width = min(map(len, rows), default=0)
-    values = np.array([row[:width] for row in rows], dtype=float).reshape(len(rows), -1)
-    if not len(values) or np.isnan(values[:, 0]).any():
+    values = np.array([row[:width] for row in rows], dtype=float)
+    if not rows or np.isnan(values[:, 0]).any():
         raise InputError(f"{where}: a row without a time, or no row; export the table anew.")
     px = unit is None and all({"pixelx", "pixely"} <= set(own) for own in columns.values())
     named = ("pixelx", "pixely") if px else ("x", "y")

@@ -135,6 +135,13 @@ def test_several_points_of_an_object_are_numbered(tmp_path):
     assert tracks["position"].to_numpy()[0, :, 1, 0].tolist() == [3, -4]
 
 
+def test_a_trajectory_without_a_point_is_left_out(tmp_path):
+    path = tmp_path / "m1.txt"
+    path.write_text("#Kinovea Trajectory data export\n#T X Y\n\n# FR\n\n# HR\n0 1 2\n5 2 3\n")
+    tracks = read_kinovea(path, fps=200.0, unit="cm")
+    assert tracks["keypoint"].values.tolist() == ["HR"]
+
+
 def test_a_file_goes_straight_to_the_gait(tmp_path):
     source = read_source(kva(tmp_path / "m1.kva"), fps=200.0)
     assert source.trial.name == "m1"

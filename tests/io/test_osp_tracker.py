@@ -96,6 +96,13 @@ def test_a_trk_is_read_in_pixels_with_the_frames_of_the_film(tmp_path):
     assert tracks.attrs["units"] == "px"
 
 
+def test_a_table_without_rows_is_refused(tmp_path):
+    path = tmp_path / "m1.txt"
+    path.write_text("\tFR\t\t\nt\tx\ty\t\n")
+    with pytest.raises(InputError, match=r"m1.txt: a row without a time, or no row"):
+        read_osp_tracker(path, fps=200.0)
+
+
 def test_the_rate_of_a_project_that_was_never_told_it_is_said(tmp_path):
     with pytest.warns(InputWarning, match=r"says 30 frames per second, and fps is given as 200"):
         read_osp_tracker(trk(tmp_path / "m1.trk", delta_t=1000 / 30), fps=200.0)
