@@ -122,7 +122,7 @@ def read_xml(path: str | Path, *, expected: str) -> ElementTree.Element:
         )
     try:
         return ElementTree.fromstring(data)  # noqa: S314 (without entities)
-    except (ElementTree.ParseError, ValueError) as reason:
+    except (ElementTree.ParseError, ValueError, LookupError) as reason:
         raise InputError(
             f"{where}: damaged XML ({reason}); expected {expected}: copy it again from where it is "
             "whole, or save it anew."

@@ -55,6 +55,7 @@ def test_half_a_frame_is_none():
     ("text", "message"),
     [
         ('<?xml version="1.0"?>\n<!DOCTYPE a [<!ENTITY b "c">]>\n<a>&b;</a>', "defines entities"),
+        ('<?xml version="1.0" encoding="utf8-x"?>\n<a/>', "damaged XML .*unknown encoding"),
         ("<a><b></a>", "damaged XML .*mismatched tag"),
     ],
 )
