@@ -34,7 +34,7 @@ _POINT = "org.opensourcephysics.cabrillo.tracker.PointMass"
 _UNNAMED = re.compile(r".*[ _][A-H]")
 """What Tracker calls point masses that nobody named: mass A, mass_A, masa A."""
 _CORNER = 0.5
-"""Tracker counts pixels from the corner of the picture: its default origin is half its size."""
+"""Its help (Coordinate System): the upper left corner is at (0, 0), the lower right at the size."""
 _ENDINGS = (".txt", ".csv", ".tsv", ".dat")
 _HEAD = 4096
 

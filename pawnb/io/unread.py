@@ -26,6 +26,8 @@ _BY_BYTES = (
     (b"PK\x03\x04", rb"xl/|mimetypeapplication/vnd\.oasis", "a spreadsheet",
      "save the sheet that has the points as csv"),
     (b"PK\x03\x04", rb"\.npy", "arrays of NumPy (.npz), as TRex writes", AS_TABLE),
+    (b"PK\x03\x04", rb"\.trk", "a project of Tracker with its film (.trz)",
+     "unpack it as a zip archive, and name the .trk that is in it"),
     (b"\x93NUMPY", rb"", "an array of NumPy (.npy), as idtracker.ai and VAME write", AS_TABLE),
     (b"\xd0\xcf\x11\xe0", rb"", "an old spreadsheet (.xls)", "save the sheet as csv"),
     (b"\x80", rb"", "a pickle of Python, which may run programs when it is read", AS_TABLE),

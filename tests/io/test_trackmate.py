@@ -95,6 +95,25 @@ def test_spots_of_tracks_are_read_in_the_unit_that_is_said(
     check(read_any_tracks(path, fps=250.0), names, unit=unit)
 
 
+def test_sleap_io_reads_the_same_of_a_table(tmp_path):
+    """sleap-io 0.9.5, the reader of another program."""
+    sleap_io = pytest.importorskip("sleap_io")
+    if not hasattr(sleap_io, "load_trackmate"):
+        pytest.skip("this sleap-io reads no TrackMate")
+    path = table(tmp_path / "spots.csv")
+    tracks = read_trackmate(path, fps=250.0)
+    frames = tracks["frame"].values.tolist()
+    place = tracks["position"].to_numpy()[..., 0]
+    theirs = sleap_io.load_trackmate(path)
+    assert sorted(one.frame_idx for one in theirs) == frames
+    for labelled in theirs:
+        row = place[frames.index(labelled.frame_idx)]
+        names = tracks["keypoint"].values.tolist()
+        for spot in labelled.centroids:
+            if spot.track is not None:
+                assert row[:, names.index(spot.track.name)].tolist() == [spot.x, spot.y]
+
+
 def test_lengths_are_brought_to_the_unit_that_is_asked_for(tmp_path):
     path = table(tmp_path / "spots.csv", unit="micron")
     check(read_trackmate(path, fps=250.0, unit="mm"), ("Track_0", "Track_3"), unit="mm",

@@ -103,6 +103,10 @@ def test_tables_of_binary_kinds_say_how_they_become_csv(tmp_path):
         file.writestr("data.json", "{}")
     with pytest.raises(InputError, match="a zip archive, not read here; unpack it"):
         recognise_format(tmp_path / "ktk.zip")
+    with zipfile.ZipFile(tmp_path / "m1.trz", "w") as file:
+        file.writestr("m1.trk", "<object/>")
+    with pytest.raises(InputError, match=r"Tracker with its film \(.trz\), not .* name the .trk"):
+        recognise_format(tmp_path / "m1.trz")
 
 
 def test_a_folder_of_zarr_is_named(tmp_path):
