@@ -31,6 +31,11 @@ _SAME_STEP = 0.02
 are rounded to ms are off by 0.6 % after 20 frames at 120 frames per second."""
 
 
+_ONE_STEP = 1.75
+"""Times farther apart than this many of their median step are not of frames in succession.
+Mathematics: rounded steps of 2 and 3 are both of one frame, 4 and more of two."""
+
+
 def digitised_format(lines: Sequence[str]) -> str | None:
     """Say which program's digitised points begin with these lines, None for no such.
 
@@ -215,9 +220,8 @@ def frames_of_times(times: FloatArray, *, fps: float, where: str) -> IntArray:
     """
     if len(times) < 2:
         return np.zeros(len(times), dtype=np.int64)
-    gaps = np.diff(times)
-    step = float(gaps[gaps < 1.5 * np.median(gaps)].mean())
-    step = float((times[-1] - times[0]) / np.rint(gaps / step).sum())
+    known = _known_step(times, fps)
+    step = known or step_of_times(times)
     first = 0 if times[0] < 0 else int(np.rint(times[0] / step))
     frames = np.rint((times - times[0]) / step).astype(np.int64) + first
     if (close := np.flatnonzero(np.diff(frames) < 1)).size:
@@ -227,8 +231,7 @@ def frames_of_times(times: FloatArray, *, fps: float, where: str) -> IntArray:
             f"of {step:.4g}: rounded too coarsely, or wrong; let the program write times in frames "
             "or milliseconds, and export again."
         )
-    expected = (1 / fps, 1e3 / fps, 1e6 / fps, 1.0)
-    if not any(abs(step - one) <= _SAME_STEP * one for one in expected):
+    if known is None:
         warn_of_input(
             f"{where}: its times go in steps of {step:.4g}, and at {fps:g} frames per second a "
             f"frame lasts {1 / fps:.4g} s. One step is taken to be one frame, as in a film that "
@@ -238,6 +241,36 @@ def frames_of_times(times: FloatArray, *, fps: float, where: str) -> IntArray:
             stacklevel=4,
         )
     return frames
+
+
+def _known_step(times: FloatArray, fps: float) -> float | None:
+    """Return the step of times of which the nearest are one frame apart, None where not."""
+    gaps = np.diff(times)
+    for frame in (1 / fps, 1e3 / fps, 1e6 / fps, 1.0):  # in s, ms, µs, frames
+        counted = np.rint(gaps / frame)
+        if counted.min() == 1:
+            step = float((times[-1] - times[0]) / counted.sum())
+            if abs(step - frame) <= _SAME_STEP * frame:
+                return step
+    return None
+
+
+def step_of_times(times: FloatArray) -> float:
+    """Return the step that most times go in, as exactly as they tell.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Two or more rising times, perhaps rounded, some steps left out.
+
+    Returns
+    -------
+    float
+        The step, in the unit of the times.
+    """
+    gaps = np.diff(times)
+    step = float(gaps[gaps < _ONE_STEP * np.median(gaps)].mean())
+    return float((times[-1] - times[0]) / np.rint(gaps / step).sum())
 
 
 def tell_units(where: str, *, taken: str) -> None:

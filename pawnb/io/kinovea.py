@@ -20,6 +20,7 @@ from pawnb.io.digitised import (
     digitised_tracks,
     frames_of_times,
     read_xml,
+    step_of_times,
     tell_units,
     to_number,
 )
@@ -33,6 +34,9 @@ _HALF = 0.5
 """Kinovea counts pixels from the corner of the picture: its default origin is half its size
 (CalibrationHelper.cs)."""
 
+_OFF_GRID = 0.25
+"""Part of a frame by which time stamps may lie beside the whole number of stamps a frame that is
+said. Mathematics: of a frame of 2.5 or 1.5 stamps every second one is half a stamp off."""
 _Points = dict[str, tuple[IntArray, FloatArray]]
 
 
@@ -108,23 +112,40 @@ def _of_kva(root: ElementTree.Element, fps: float, where: str) -> _Points:
     begin = to_number(root.findtext("FirstTimeStamp") or "0", where=f"{where}: FirstTimeStamp")
     if (rate := root.findtext("CaptureFramerate")) is not None:
         tell_rate(where, to_number(rate, where=f"{where}: CaptureFramerate"), fps, stacklevel=4)
-    found: _Points = {}
+    found: dict[str, FloatArray] = {}
     for i, track in enumerate(root.iterfind("Tracks/Track"), start=1):
         label = track.find("MainLabel")
         name = track.get("name") or (label.get("Text") if label is not None else None)
         rows = _rows_of_kva(track, where)
         if len(rows) and rows[0, 2] == 0:  # 0.8.15 counts from the track's first time stamp
             rows[:, 2] += to_number(track.findtext("TimePosition") or "0", where=where)
-        frames = np.rint((rows[:, 2] - begin) / each).astype(np.int64)
         own = name or f"track{i}"
         _tell_twice(found, own, where)
-        found[own] = frames, rows[:, :2] - _HALF
+        found[own] = rows
     if not found:
         raise InputError(
             f"{where}: no trajectory in it; track the feet in Kinovea (right click on a marker, "
             "Track path), and save again."
         )
-    return found
+    stamps = np.unique(np.concatenate([rows[:, 2] for rows in found.values()]))
+    frames = _frames_of_stamps(stamps, begin, each)
+    return {
+        name: (frames[np.searchsorted(stamps, rows[:, 2])], rows[:, :2] - _HALF)
+        for name, rows in found.items()
+    }
+
+
+def _frames_of_stamps(stamps: FloatArray, begin: float, each: float) -> IntArray:
+    """Return the frame of each of rising time stamps.
+
+    The file says how many stamps a frame lasts in whole numbers, as 2 or 3 where it lasts 2.5 (240
+    frames a second in 600 stamps a second, of telephones): then the stamps themselves tell it.
+    """
+    numbers = (stamps - begin) / each
+    if len(stamps) > 1 and (np.abs(numbers - np.rint(numbers)) > _OFF_GRID).any():
+        step = step_of_times(stamps)
+        numbers = (stamps - stamps[0]) / step + np.rint((stamps[0] - begin) / step)
+    return np.rint(numbers).astype(np.int64)
 
 
 def _rows_of_kva(track: ElementTree.Element, where: str) -> FloatArray:

@@ -21,8 +21,15 @@ def test_times_become_frames_in_whatever_unit_and_however_rounded(unit):
     assert frames_of_times(seconds * unit, fps=120.0, where="f").tolist() == number.tolist()
 
 
-def test_frames_that_were_not_digitised_keep_their_numbers():
-    number = np.array([7, 8, 9, 12, 13, 40, 41])
+def test_frames_that_last_one_or_two_rounded_steps_are_counted_rightly():
+    number = np.array([*range(60), *range(64, 90)])
+    times = np.floor(number * 1.5 + 1e-9) / 1000  # 1.5 ms a frame, in whole ms
+    assert frames_of_times(times, fps=1000 / 1.5, where="f").tolist() == number.tolist()
+
+
+@pytest.mark.parametrize("kept", [(7, 8, 9, 12, 13, 40, 41), (0, 1, 3), (0, 4, 5, 11)])
+def test_frames_that_were_not_digitised_keep_their_numbers(kept):
+    number = np.array(kept)
     assert frames_of_times(number / 250, fps=250.0, where="f").tolist() == number.tolist()
 
 

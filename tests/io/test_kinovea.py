@@ -84,6 +84,42 @@ def test_a_kva_is_read_in_pixels_with_its_frames(tmp_path, how):
     assert np.isnan(place[0, :, 1]).all()
 
 
+@pytest.mark.parametrize("each", [2, 3])
+def test_frames_that_last_no_whole_number_of_time_stamps_are_counted_rightly(tmp_path, each):
+    """240 frames a second in 600 time stamps a second: 2.5 each, and the file says 2 or 3."""
+    path = kva(tmp_path / "m1.kva", rate="240", each=each, first=0)
+    text = path.read_text(encoding="utf-8-sig")
+    stamp = re.compile(r";(\d+)</TrackPoint>")
+    text = stamp.sub(lambda m: f";{round(int(m[1]) / each * 2.5)}</TrackPoint>", text)
+    path.write_text(text, encoding="utf-8")
+    tracks = read_kinovea(path, fps=240.0)
+    assert tracks["frame"].values.tolist() == list(range(3, N + 4))
+    np.testing.assert_allclose(tracks["position"].to_numpy()[:N, :, 0, 0], PLACE["FR"], atol=1e-4)
+
+
+@pytest.mark.parametrize("kept", [(0, 1, 3), (0, 4, 5, 11), (2,)])
+def test_few_frames_that_were_tracked_keep_their_numbers(tmp_path, kept):
+    points = "".join(f"<TrackPoint>1;2;{512 * i}</TrackPoint>" for i in kept)
+    path = tmp_path / "m1.kva"
+    path.write_text(
+        "<KinoveaVideoAnalysis><FormatVersion>2.0</FormatVersion><AverageTimeStampsPerFrame>512"
+        '</AverageTimeStampsPerFrame><Tracks><Track name="FR"><TrackPointList>'
+        f"{points}</TrackPointList></Track></Tracks></KinoveaVideoAnalysis>"
+    )
+    tracks = read_kinovea(path, fps=200.0)
+    seen = np.isfinite(tracks["position"].to_numpy()[:, 0, 0, 0])
+    assert tuple(tracks["frame"].values[seen]) == kept
+
+
+def test_every_second_frame_that_was_tracked_keeps_its_number(tmp_path):
+    path = kva(tmp_path / "m1.kva", first=0)
+    text = path.read_text(encoding="utf-8-sig")
+    stamp = re.compile(r";(\d+)</TrackPoint>")
+    path.write_text(stamp.sub(lambda m: f";{2 * int(m[1])}</TrackPoint>", text), encoding="utf-8")
+    frames = read_kinovea(path, fps=200.0)["frame"].values
+    assert (frames[0], frames[-1]) == (6, 2 * (N + 3))
+
+
 def test_another_rate_than_that_of_a_kva_is_said(tmp_path):
     with pytest.warns(InputWarning, match=r"says 25 frames per second, and fps is given as 200"):
         read_kinovea(kva(tmp_path / "m1.kva", rate="25"), fps=200.0)
