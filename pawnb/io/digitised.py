@@ -30,7 +30,6 @@ _SAME_STEP = 0.02
 """Part by which steps of times may differ from those of the frame rate. Set by hand: times that
 are rounded to ms are off by 0.6 % after 20 frames at 120 frames per second."""
 
-
 _ONE_STEP = 1.75
 """Times farther apart than this many of their median step are not of frames in succession.
 Mathematics: rounded steps of 2 and 3 are both of one frame, 4 and more of two."""
