@@ -19,6 +19,7 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.cycles.leg_signals import HEIGHT, LATERAL, LEG_ANGLE, POSITION, LegSignals
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.events.extremes import Extreme, Rejected, find_extremes
+from pawnb.gait.events.foot_speed import FootSpeed, sharpen_speed
 from pawnb.gait.events.ground_contact import Contact, find_contacts, measure_height
 from pawnb.gait.locomotion.body import BodyPoints, find_body
 from pawnb.gait.locomotion.direction import find_up
@@ -154,9 +155,13 @@ def analyse_space(
         _add_pauses(result, leg, found_body.standing, grid)
         if belt_here is None:
             continue
-        speed = speed_over_substrate(velocity[:, k], belt_here, where, follow=is_guessed)
-        foot_height = None if height is None else height[:, k]
-        contacts = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
+        own = sharpen_speed(
+            speed_over_substrate(velocity[:, k], belt_here, where, follow=is_guessed),
+            velocity=velocity[:, k], displacement=displacement[:, k],
+            height=None if height is None else height[:, k],
+            fs_hz=fs, stride_hz=scales.stride_hz,
+        )  # fmt: skip
+        contacts = _find_contacts(own, where, settings, _filter_rise(scales, fs))
         _add_contacts(result, leg, *contacts, grid)
     return result
 
@@ -302,30 +307,31 @@ def _add_pauses(result: SpaceResult, leg: str, standing: BoolArray, grid: Grid) 
         result.dropped.append({"leg": leg, **span, "what": "pause", "why": why})
 
 
-def _rise(scales: Scales, fs: float) -> float:
-    """Return how many samples filter and differences spread a step of the speed over.
+def _filter_rise(scales: Scales, fs: float) -> float:
+    """Return how many samples the filter spreads a step of the speed over.
 
-    The inverse of the steepest slope of the step response: that of the filter is
-    2.77 times its cut-off, that of central differences half a sample.
+    The inverse of the steepest slope of its step response, which is 2.77 times its cut-off.
     """
-    return max(2.0, 0.36 * fs / scales.cutoff_hz if scales.cutoff_hz is not None else 0.0)
+    return 0.36 * fs / scales.cutoff_hz if scales.cutoff_hz is not None else 0.0
 
 
 def _find_contacts(
-    speed: FloatArray,
-    height: FloatArray | None,
-    extremes: list[Extreme],
-    settings: EventSettings,
-    rise: float,
+    foot: FootSpeed, extremes: list[Extreme], settings: EventSettings, filter_rise: float
 ) -> tuple[list[Contact], str]:
     """Find TD and LO of a leg, and say by what."""
-    known = None
-    if height is not None:
-        known = measure_height(height, extremes, fraction=settings.contact_height_fraction)
+    known, finer = None, foot.finer
+    extremes = [extreme._replace(sample=extreme.sample * finer) for extreme in extremes]
+    if foot.height is not None:
+        known = measure_height(foot.height, extremes, fraction=settings.contact_height_fraction)
     contacts = find_contacts(
-        speed, extremes, fraction=settings.contact_speed_fraction, rise=rise, height=known
+        foot.speed,
+        extremes,
+        fraction=settings.contact_speed_fraction,
+        rise=max(foot.spread, finer * filter_rise),
+        height=known,
     )
-    return contacts, "foot speed" if known is None else "foot speed and height"
+    found = [contact._replace(sample=contact.sample / finer) for contact in contacts]
+    return found, "foot speed" if known is None else "foot speed and height"
 
 
 def _add_contacts(

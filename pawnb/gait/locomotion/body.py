@@ -19,6 +19,7 @@ from pawnb.gait.locomotion.body_path import (
 )
 from pawnb.gait.locomotion.direction import choose_direction, find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
+from pawnb.gait.locomotion.frequency_guess import guess_frequency
 from pawnb.gait.locomotion.time_scales import (
     Scales,
     choose_scales,
@@ -33,27 +34,14 @@ from pawnb.kinematics import (
     body_frame_of_path,
     is_travelling,
     is_wandering,
-    mean_path,
     smooth_path,
-    stride_frequency,
 )
-from pawnb.signals import dominant_frequency, find_runs
+from pawnb.signals import find_runs
 from pawnb.trial import Trial
 
 _BODY_CUTOFF_STRIDES = 3.0
 """Low-pass of points of the body, in stride frequencies: a body moves twice in a stride, what is
 faster is how well its points were tracked, and every foot would share it."""
-
-_SHARED_SLOWER = 2.5
-"""What feet share is travel, no steps, where they move against each other this many times as often:
-more than twice, for the feet of two pairs may part twice in a stride."""
-
-_STEPS_APART = 0.7
-"""Speed of feet against each other, as a share of the speed that they share, from which it is
-steps: 1 to 4 where feet step in turn; in a bound, or hopping, they part by less than half."""
-
-_STEPS_SAMPLED = 10.0
-"""Samples in a step, at least: what labels jitter is fastest in neighbouring samples."""
 
 _BODY_METHODS = {
     "laboratory": "laboratory",
@@ -158,7 +146,7 @@ def find_body(
     """
     notes: list[str] = []
     body = _usable(body, belt, forward, feet, notes)
-    guess = _guess_frequency(feet, body, fs)
+    guess = guess_frequency(feet, body=None if body is None else body.points, fs_hz=fs)
     scales = choose_scales(settings, guess, fs)
     path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
     others = points_of_body(feet, others, frequency_hz=guess, fs_hz=fs)
@@ -239,33 +227,6 @@ def _usable(
         "Name others in [animal] body."
     )
     return body
-
-
-def _guess_frequency(feet: FootPaths, body: BodyPoints | None, fs: float) -> float:
-    """Guess how often the feet step, in the body's frame where there is one.
-
-    An animal that goes, stops and turns on the ground does so more slowly than it steps, and its
-    feet share all of that: what they do against each other tells the steps from it. Of feet that
-    step together only labels' jitter is left.
-    """
-    if body is None:
-        whole = stride_frequency(feet.positions, fs_hz=fs)
-        if len(feet.legs) < 2:
-            return whole
-        path = mean_path(feet.positions)
-        apart = feet.positions - path[:, :, None]
-        own = stride_frequency(apart, fs_hz=fs)
-        in_turn = _speed(apart) > _STEPS_APART * _speed(path[:, :, None])
-        steps = _SHARED_SLOWER * whole < own < fs / _STEPS_SAMPLED
-        return own if in_turn and steps else whole
-    frame = body_frame_from_points(body.points, cutoff_hz=None, fs_hz=fs)
-    return dominant_frequency(frame.fore_aft(feet.positions), fs_hz=fs)
-
-
-def _speed(positions: FloatArray) -> float:
-    """Return the root mean square of velocities (n, d, k) about their means, per sample."""
-    step = np.diff(positions, axis=0)
-    return float(np.sqrt(np.nanmean((step - np.nanmean(step, axis=0)) ** 2)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -31,6 +31,8 @@ class Scales:
 
     Parameters
     ----------
+    stride_hz : float
+        Stride frequency that they are set from; 1 Hz where it is not known.
     cutoff_hz : float or None
         Low-pass for the feet; None for no filter.
     body_cutoff_hz : float
@@ -39,6 +41,7 @@ class Scales:
         Longest bridged gap, shortest stance and swing.
     """
 
+    stride_hz: float
     cutoff_hz: float | None
     body_cutoff_hz: float
     max_gap_s: float
@@ -72,6 +75,7 @@ def choose_scales(settings: EventSettings, frequency_hz: float, fs_hz: float) ->
     if cutoff is None and _CUTOFF_STRIDES * stride <= _UNFILTERED_ABOVE * fs_hz:
         cutoff = _CUTOFF_STRIDES * stride
     return Scales(
+        stride_hz=stride,
         cutoff_hz=cutoff,
         body_cutoff_hz=asked(settings.body_cutoff_hz, stride / 3.0),
         max_gap_s=asked(settings.max_gap_s, 0.1 / stride),

@@ -166,10 +166,12 @@ def test_legs_of_eight_are_compared_from_the_foremost_to_the_hindmost():
     assert say_implausible(mixed) == []
 
 
-@pytest.mark.parametrize(("frames", "said"), [(3.1, "a third too small"), (8.1, "up to 2 frames")])
+@pytest.mark.parametrize(
+    ("frames", "said"), [(3.1, "a third too small"), (8.1, "up to a frame too short")]
+)
 def test_strides_of_too_few_frames_for_contact_or_speed_are_said(frames, said):
     # a walk of 25 frames a second whose contact is 0.6 of a stride; at 3.1 frames it is found to be
-    # 0.16, and the speed 22 % too small; at 8.1 frames a swing that stops dead has 0.42
+    # 0.16, and the speed 22 % too small; at 8.1 frames a swing that stops dead has 0.48
     walk = Walk(period=frames / 25.0, duty=0.6, speed=60.0 * 25.0 / frames)
     tables = analyse(walk.tracks(fps=25.0, duration=8.0), belt_speed=None, settings={})
     (note,) = (n for n in tables.notes if "strides have" in n)
