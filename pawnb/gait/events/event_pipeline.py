@@ -21,7 +21,7 @@ from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.events.extremes import Extreme, Rejected, find_extremes
 from pawnb.gait.events.foot_speed import FootSpeed, sharpen_speed
 from pawnb.gait.events.ground_contact import Contact, find_contacts, measure_height
-from pawnb.gait.locomotion.body import BodyPoints, find_body
+from pawnb.gait.locomotion.body import BodyPoints, FoundBody, find_body
 from pawnb.gait.locomotion.direction import find_up
 from pawnb.gait.locomotion.displacement import displacement_along, measure_motion
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
@@ -118,8 +118,7 @@ def analyse_space(
         settings=settings,
     )  # fmt: skip
     frame, scales, treadmill = found_body.frame, found_body.scales, found_body.treadmill
-    max_gap = round(scales.max_gap_s * fs)
-    smooth = partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
+    smooth = _smoother(scales, fs)
     raw = frame.fore_aft(feet.positions)
     position, displacement = smooth(raw), displacement_along(smooth(feet.positions), frame.forward)
     turning, how = position, f"fore-aft position ({frame.method})"
@@ -133,8 +132,7 @@ def analyse_space(
         feet, frame, displacement=displacement, fore_aft=position, belt=belt_here, grid=grid
     )
     height = _height(feet, up, smooth) if settings.use_height else None
-    has_sides = up is not None or found_body.from_points
-    across = smooth(frame.lateral(feet.positions, up=up)) if has_sides else None
+    across = _across(found_body, feet, up, smooth)
     found = {
         LEG_ANGLE: None if feet.angle_deg is None else turning,
         POSITION: position, HEIGHT: height, LATERAL: across,
@@ -149,17 +147,15 @@ def analyse_space(
         if feet.angle_deg is not None:
             where = _with_positions(where, position[:, k])
         _add_extremes(result, leg, where, bridged, grid, how)
-        _add_rejected(result, leg, rejected[k], grid)
-        _add_jumps(result, leg, jumps[:, k], grid)
+        _add_left_out(result, leg, rejected[k], jumps[:, k], grid)
         _add_gaps(result, leg, position[:, k], grid, scales.max_gap_s)
         _add_pauses(result, leg, found_body.standing, grid)
         if belt_here is None:
             continue
+        speed = speed_over_substrate(velocity[:, k], belt_here, where, follow=is_guessed)
         own = sharpen_speed(
-            speed_over_substrate(velocity[:, k], belt_here, where, follow=is_guessed),
-            velocity=velocity[:, k], displacement=displacement[:, k],
-            height=None if height is None else height[:, k],
-            fs_hz=fs, stride_hz=scales.stride_hz,
+            speed, velocity=velocity[:, k], displacement=displacement[:, k],
+            height=None if height is None else height[:, k], fs_hz=fs, stride_hz=scales.stride_hz,
         )  # fmt: skip
         contacts = _find_contacts(own, where, settings, _filter_rise(scales, fs))
         _add_contacts(result, leg, *contacts, grid)
@@ -173,6 +169,18 @@ def _height(
     if up is None:
         return None
     return smooth(along(feet.positions, np.tile(up, (len(feet.positions), 1))))
+
+
+def _across(
+    body: FoundBody,
+    feet: FootPaths,
+    up: FloatArray | None,
+    smooth: Callable[[FloatArray], FloatArray],
+) -> FloatArray | None:
+    """Return how far feet are to the side, where right and left are known."""
+    if up is None and not body.from_points:
+        return None
+    return smooth(body.frame.lateral(feet.positions, up=up))
 
 
 def _leg_signals(
@@ -199,6 +207,12 @@ def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, Bo
     kept = np.where(jumps[:, None, :], np.nan, feet.positions)
     angle = None if feet.angle_deg is None else np.where(jumps, np.nan, feet.angle_deg)
     return replace(feet, positions=kept, angle_deg=angle), jumps
+
+
+def _smoother(scales: Scales, fs: float) -> Callable[[FloatArray], FloatArray]:
+    """Return what smooths a signal of the feet at these scales of time."""
+    max_gap = round(scales.max_gap_s * fs)
+    return partial(_smooth, cutoff_hz=scales.cutoff_hz, fs=fs, max_gap=max_gap)
 
 
 def _smooth(x: FloatArray, cutoff_hz: float | None, fs: float, max_gap: int) -> FloatArray:
@@ -264,15 +278,14 @@ def _add_extremes(
         )
 
 
-def _add_rejected(result: SpaceResult, leg: str, rejected: list[Rejected], grid: Grid) -> None:
-    """Write down the pairs of extremes that were too close."""
+def _add_left_out(
+    result: SpaceResult, leg: str, rejected: list[Rejected], jumps: BoolArray, grid: Grid
+) -> None:
+    """Write down the pairs of extremes that were too close, and positions that jump."""
     for start, end, why in rejected:
         span = {"start_s": grid.time_at(start), "end_s": grid.time_at(end)}
         result.dropped.append({"leg": leg, **span, "what": "AEP and PEP", "why": why})
 
-
-def _add_jumps(result: SpaceResult, leg: str, jumps: BoolArray, grid: Grid) -> None:
-    """Write down positions that were left out because they jump."""
     for start, stop in find_runs(jumps):
         span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
         why = "jumps away and back (jump_factor)"

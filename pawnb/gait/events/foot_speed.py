@@ -22,7 +22,7 @@ of which only every nth sample was taken, against that of all samples. Of a mous
 stride, and 0.017, 0.028 and 0.048 are so; of five mice on a beam 0.03 and 0.005 at 16. A 36th does
 no better, and with jitter of 3 % of a stride length contact came out up to 0.06 too long at 27."""
 
-_FINER = 8
+_TIMES_A_SAMPLE = 8
 """Parts that the time between two samples is divided into."""
 
 _LEAST_RUN = 4
@@ -84,17 +84,19 @@ def sharpen_speed(
     if reach >= 1.0:
         return FootSpeed(speed=speed, height=height, finer=1, spread=2.0)
     samples = np.arange(len(speed))
-    times = np.arange((len(speed) - 1) * _FINER + 1) / _FINER
-    half = max(1, math.floor(reach * _FINER))
+    times = np.arange((len(speed) - 1) * _TIMES_A_SAMPLE + 1) / _TIMES_A_SAMPLE
+    half = max(1, math.floor(reach * _TIMES_A_SAMPLE))
     places = _between(displacement, times)
     fine = np.full(len(times), np.nan)
-    fine[half:-half] = (places[2 * half :] - places[: -2 * half]) * fs_hz * _FINER / (2 * half)
+    fine[half:-half] = (
+        (places[2 * half :] - places[: -2 * half]) * fs_hz * _TIMES_A_SAMPLE / (2 * half)
+    )
     # at the ends of what was seen there is no difference but the one of the samples
     fine = np.where(np.isfinite(fine), fine, np.interp(times, samples, velocity))
     return FootSpeed(
         speed=fine + np.interp(times, samples, speed - velocity),
         height=None if height is None else np.interp(times, samples, height),
-        finer=_FINER,
+        finer=_TIMES_A_SAMPLE,
         spread=2.0 * half,
     )
 
@@ -105,6 +107,6 @@ def _between(displacement: FloatArray, times: FloatArray) -> FloatArray:
     for start, stop in find_runs(np.isfinite(displacement)):
         if stop - start < _LEAST_RUN:
             continue
-        own = slice(start * _FINER, (stop - 1) * _FINER + 1)
+        own = slice(start * _TIMES_A_SAMPLE, (stop - 1) * _TIMES_A_SAMPLE + 1)
         out[own] = CubicSpline(np.arange(start, stop), displacement[start:stop])(times[own])
     return out
