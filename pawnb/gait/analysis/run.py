@@ -137,7 +137,8 @@ def analyse(
     for individual in individuals:
         # each is in the picture for a time of its own
         feet = list(named.values())
-        part, unseen = seen_part(tracks.sel(individual=[individual]), feet=feet)
+        least = least_confidence(tracks, settings.min_confidence)
+        part, unseen = seen_part(tracks.sel(individual=[individual]), feet=feet, least=least)
         grid, dense = put_on_grid(part, where=where)
         belt = _belt_on_grid(belt_speed, trial, grid)
         lost = [*unseen, *_lost_frames(part, grid)]
@@ -151,7 +152,6 @@ def analyse(
             )
         )  # fmt: skip
     if not any(basis.motion for part in parts for basis in part.bases):
-        least = least_confidence(dense, settings.min_confidence)
         raise InputError(
             f"animal {parts[0].bases[0].who['animal']!r}: none of the legs {', '.join(named)} has "
             "a position in any frame"

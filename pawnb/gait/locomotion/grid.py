@@ -72,6 +72,8 @@ def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
     full = np.arange(frames[0], frames[-1] + 1, step)
     full_times = np.interp(full, frames, times)
     fs = (len(full) - 1) / (full_times[-1] - full_times[0])
+    rate = float(tracks.attrs.get("fps", fs)) / step
+    fs = rate if abs(fs - rate) < 1e-9 * rate else fs  # whichever the first frame's number
     even = full_times[0] + np.arange(len(full)) / fs
     index = np.searchsorted(full, frames)
     rows = np.full(len(full), -1)

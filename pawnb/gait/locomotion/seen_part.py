@@ -13,6 +13,8 @@ from pawnb.schema import ORIGIN_CODE, Tracks
 _LEAST_LEGS_SHARE = 0.5
 """An animal of which fewer of its legs are seen is not yet, or no longer, in the picture. Set by
 hand: of an animal that enters, the legs that are not there are placed up to a leg's length away."""
+_FEWEST_FRAMES = 3
+"""Frames that an analysis needs at least."""
 _UNSEEN = [ORIGIN_CODE["predicted"], ORIGIN_CODE["missing"]]
 
 
@@ -37,11 +39,15 @@ def _without_unseen_frames(tracks: Tracks, feet: Sequence[str]) -> Tracks:
     return tracks
 
 
-def seen_part(tracks: Tracks, *, feet: Sequence[str] = ()) -> tuple[Tracks, list[dict[str, Any]]]:
+def seen_part(
+    tracks: Tracks, *, feet: Sequence[str] = (), least: float = 0.0
+) -> tuple[Tracks, list[dict[str, Any]]]:
     """Leave out what shows nothing of an animal, and where too little of a jointed one is seen.
 
     Frames in which every foot is predicted without confidence, as where a film stands still, have
-    no position in any case. Of a jointed animal the ends go in which too few legs are seen.
+    no position in any case. The ends go in which no foot has a place: how much of a film goes on
+    before and after an animal must not change its gait. Of a jointed animal those go in which too
+    few legs are seen.
 
     A tracker gives a pose from the first frame on in which something of the animal is there. Its
     other legs are placed by their neighbours alone, and would make steps that nobody has seen.
@@ -54,17 +60,22 @@ def seen_part(tracks: Tracks, *, feet: Sequence[str] = ()) -> tuple[Tracks, list
         Tracks.
     feet : sequence of str
         Points that are feet; of a jointed animal these are the tips of its legs.
+    least : float
+        Places with a lower confidence do not count; of a jointed animal they do.
 
     Returns
     -------
     tracks : xarray.Dataset
-        The tracks from the first to the last frame in which half of the legs are seen, without
-        what comes before a leg is seen first and after it is seen last.
+        The tracks from the first to the last frame in which a foot is seen; of a jointed animal
+        in which half of the legs are, without what comes before a leg is seen first and after it
+        is seen last.
     dropped : list of dict
         What is left out: leg, start_s, end_s, what, why.
     """
     if "heading" not in tracks:
-        return (_without_unseen_frames(tracks, feet) if feet else tracks), []
+        return (
+            _with_feet(_without_unseen_frames(tracks, feet), feet, least) if feet else (tracks, [])
+        )
     points = [str(point) for point in tracks["keypoint"].to_numpy()]
     tips = list(leg_roots(points))
     tracks = _without_unseen_frames(tracks, tips)
@@ -89,6 +100,30 @@ def seen_part(tracks: Tracks, *, feet: Sequence[str] = ()) -> tuple[Tracks, list
         _take_away(part, leg, outside)
         dropped += _say_ends(time, first, end, leg=leg, why="the leg is not seen")
     return part, dropped
+
+
+def _with_feet(
+    tracks: Tracks, feet: Sequence[str], least: float
+) -> tuple[Tracks, list[dict[str, Any]]]:
+    """Leave out the ends in which no foot has a place, unless hardly a frame would be left."""
+    seen = np.zeros(tracks.sizes["time"], dtype=bool)
+    own = tracks.sel(keypoint=list(feet))
+    for name, sure, axis in (
+        ("position", "confidence", "space"),
+        ("image_position", "image_confidence", "image_space"),
+    ):
+        if name in own:
+            placed = own[name].notnull().all(axis) & ~(own[sure] < least)
+            seen |= placed.any([dim for dim in placed.dims if dim != "time"]).to_numpy()
+    rows = np.flatnonzero(seen)
+    if not len(rows) or rows[-1] - rows[0] + 1 < _FEWEST_FRAMES:
+        return tracks, []
+    begin, stop = int(rows[0]), int(rows[-1]) + 1
+    why = "no foot is seen"
+    return (
+        tracks.isel(time=slice(begin, stop)),
+        _say_ends(tracks["time"].to_numpy(), begin, stop, leg="", why=why),
+    )
 
 
 def _unseen_ends(seen: np.ndarray) -> dict[int, tuple[int, int]]:

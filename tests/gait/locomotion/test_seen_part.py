@@ -12,6 +12,7 @@ from pawnb.core.pose.track_result import plain_track
 from pawnb.core.video.doubts.frozen_labels import without_frozen
 from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.locomotion.seen_part import seen_part
+from pawnb.io.formats import read_any_tracks
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.synthetic import render_spider_trial, spider_trial
 from pawnb.trial import load_trial
@@ -160,3 +161,48 @@ def test_points_have_no_position_where_every_foot_is_predicted_without_confidenc
     assert np.flatnonzero(~is_there).tolist() == [3, 4]
     assert dropped == []
     assert seen_part(tracks)[0] is tracks
+
+
+@pytest.mark.parametrize("least", [0.0, 0.6])
+def test_ends_without_any_foot_are_left_out_and_said(least):
+    tracks = make_tracks(range(20), ["FR", "FL", "nose"], fps=100.0, space=("x", "y"), unit="px")
+    tracks["position"].data[:] = 1.0
+    tracks["confidence"].data[:] = 1.0
+    if least:  # a program that gives a place in every frame
+        tracks["confidence"].data[:4, :2] = tracks["confidence"].data[15:, :2] = 0.3
+    else:
+        tracks["position"].data[:4, :, :2] = tracks["position"].data[15:, :, :2] = np.nan
+    tracks["position"].data[8:11, :, :2] = np.nan  # hidden for a while
+    part, dropped = seen_part(tracks, feet=["FR", "FL"], least=least)
+    assert part["frame"].to_numpy().tolist() == list(range(4, 15))
+    assert [(row["start_s"], row["end_s"], row["why"]) for row in dropped] == [
+        (0.0, 0.03, "no foot is seen"), (0.15, 0.19, "no foot is seen"),
+    ]  # fmt: skip
+    # one foot that is there is enough, and what is hardly there at all stays as it is
+    tracks["position"].data[0, :, 1] = 1.0
+    tracks["confidence"].data[0, 1] = 1.0
+    assert int(seen_part(tracks, feet=["FR", "FL"], least=least)[0]["frame"][0]) == 0
+    tracks["position"].data[1:] = np.nan
+    assert seen_part(tracks, feet=["FR", "FL"], least=least)[0].sizes["time"] == 20
+
+
+@pytest.mark.parametrize(("before", "after"), [(500, 0), (0, 500), (7, 50)])
+def test_the_film_before_and_after_a_real_mouse_changes_no_stride(real_data, before, after):
+    # a mouse on a beam (DeepLabCut); periods changed by up to 0.6 %, stride lengths by up to 5.5 %
+    (path,) = (real_data("mouse-autogaita-beam")).glob("*Mouse15*SIMI*.csv")
+    tracks = read_any_tracks(path, fps=100.0)
+    n = tracks.sizes["time"]
+    frames = np.arange(before + n + after)
+    longer = make_tracks(
+        frames, [str(p) for p in tracks["keypoint"].to_numpy()], fps=100.0, unit="px",
+        space=("x", "y"),
+    )  # fmt: skip
+    longer.attrs |= tracks.attrs
+    for name in ("position", "confidence"):
+        longer[name].data[before : before + n] = tracks[name].transpose(*longer[name].dims).data
+    legs = {"FR": "Front paw tao", "HR": "Hind paw tao"}
+    strides, same = (gait.analyse(one, legs=legs).strides for one in (tracks, longer))
+    assert len(strides) == len(same) >= 10
+    np.testing.assert_allclose(same["start_s"] - before / 100.0, strides["start_s"], atol=1e-9)
+    columns = ["period_s", "duty_factor", "contact_duty_factor", "stride_length", "aep_position"]
+    np.testing.assert_allclose(same[columns], strides[columns], rtol=1e-9)
