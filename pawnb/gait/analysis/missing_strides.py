@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pawnb.gait.analysis.notes import Note
 from pawnb.gait.analysis.tables import GaitTables, TrialBasis, of_trial
+from pawnb.gait.cycles.leg_signals import LEG_ANGLE, POSITION
 from pawnb.gait.legs import sort_legs
+from pawnb.gait.locomotion.time_scales import held_still
 from pawnb.gait.strides.stride_table import PARTNER, choose_stride_event
 
 
@@ -60,8 +62,28 @@ def _on_legs_without_strides(tables: GaitTables, basis: TrialBasis) -> str:
         why = others["why"].mode().iloc[0]
         found += f" ({len(others)} left out, most often as {why}: see dropped.csv)"
     which = f"no stride of {', '.join(without)}" if with_strides else "no stride"
+    needed = "a longer recording is needed, or other settings of the event detection."
+    still = _held_still(basis)
+    held = [leg for leg in without if leg in still]
+    if held:
+        needed = f"for the others {needed}" if len(held) < len(without) else ""
+        needed = (
+            f"{', '.join(held)} {'is' if len(held) == 1 else 'are'} held still, and a longer "
+            f"recording gives no more{'; ' if needed else '.'}{needed}"
+        )
     return (
         f"{which}, for one runs from {start} to {start} of the same leg, with one "
-        f"{PARTNER[start]} between; found {start}: {found}; a longer recording is needed, or "
-        "other settings of the event detection."
+        f"{PARTNER[start]} between; found {start}: {found}; {needed}"
     )
+
+
+def _held_still(basis: TrialBasis) -> set[str]:
+    """Return the legs that are held still where the others step."""
+    turning = [one for one in basis.signals if one.signal == LEG_ANGLE]
+    turning = turning or [one for one in basis.signals if one.signal == POSITION]
+    return {
+        leg
+        for one in turning
+        for leg, held in zip(one.legs, held_still(one.samples, basis.settings), strict=True)
+        if held
+    }

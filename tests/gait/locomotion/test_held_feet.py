@@ -10,6 +10,7 @@ import pytest
 from walking import Walk
 
 from pawnb import gait
+from pawnb.gait.analysis.missing_strides import say_no_strides
 from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.time_scales import held_still, least_excursions
 
@@ -74,3 +75,17 @@ def test_what_counts_as_held():
     # what is stated holds for all feet
     stated = EventSettings(min_excursion=0.3)
     assert least_excursions(way[:, :5], stated).tolist() == [0.3] * 5
+
+
+def test_no_longer_recording_is_asked_for_where_a_foot_is_held_still():
+    tracks = with_front_right(held)
+    (said,) = say_no_strides(gait.analyse(tracks, belt_speed=300.0))
+    assert "no stride of FR" in said
+    assert said.endswith("FR is held still, and a longer recording gives no more.")
+    # a foot that is seen for a stride only does need one
+    tracks["position"].loc[{"keypoint": "HL", "time": tracks["time"].to_numpy()[80:]}] = np.nan
+    (said,) = say_no_strides(gait.analyse(tracks, belt_speed=300.0))
+    assert said.endswith(
+        "FR is held still, and a longer recording gives no more; for the others a longer recording "
+        "is needed, or other settings of the event detection."
+    )
