@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.io.start_films import lines_of, read_films, write_films
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import check_columns
 
@@ -21,6 +22,8 @@ POSE_COLUMNS = ("frame", "x", "y", "heading", "scale")
 """Columns that every table of poses has; those of the joints depend on the animal."""
 
 _ANGLE_DECIMALS, _LENGTH_DECIMALS = 4, 4
+_LENGTHS = ("_scale", "_px", "_sd")
+"""How columns of proportions, projected lengths and standard deviations end."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -213,8 +216,43 @@ def proportions(table: pd.DataFrame, *, names: PoseNames) -> tuple[dict[str, flo
     return kept, missing
 
 
+def films_of_poses(path: str | Path) -> dict[str, str]:
+    """Return in which film each pose was made, as far as that is known.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``start_pose.csv``. The films are in ``start_pose.films.json`` beside it, which the widget
+        writes; of poses that others made or changed since it says nothing.
+
+    Returns
+    -------
+    dict of str to str
+        The line of a pose, without the animal's proportions, to the film's code
+        (:func:`pawnb.core.video.doubts.exchanged_films.film_code`).
+    """
+    if not (known := read_films(path)):
+        return {}
+    try:
+        return {line: known[line] for line in _pose_lines(path) if line in known}
+    except InputError:  # the poses are read, and faults told, elsewhere
+        return {}
+
+
+def _pose_lines(path: str | Path) -> list[str]:
+    """Return each pose of a file without lengths, which are of the animal and not of the frame."""
+    cells = read_cells(path, POSE_COLUMNS)
+    own = [name for name in cells if name in POSE_COLUMNS or not str(name).endswith(_LENGTHS)]
+    return lines_of(cells[own])
+
+
 def write_start_pose(
-    table: pd.DataFrame, path: str | Path, *, factors: Mapping[str, float] | None = None
+    table: pd.DataFrame,
+    path: str | Path,
+    *,
+    factors: Mapping[str, float] | None = None,
+    film: str = "",
+    earlier_films: Mapping[str, str] | None = None,
 ) -> Path:
     """Write ``start_pose.csv``, whole or not at all.
 
@@ -226,6 +264,10 @@ def write_start_pose(
         The file.
     factors : mapping, optional
         Leg or segment to the factor of its length; 0 for a missing leg.
+    film : str, optional
+        Code of the film in which they were made; it goes into ``start_pose.films.json``.
+    earlier_films : mapping of str to str, optional
+        As :func:`films_of_poses` returned it: poses that are still as they were keep their film.
 
     Returns
     -------
@@ -234,7 +276,10 @@ def write_start_pose(
     """
     check_columns(table, POSE_COLUMNS, where="start pose")
     proportions = {f"{name}_scale": factor for name, factor in (factors or {}).items()}
-    return write_table(_rounded(table.assign(**proportions)), path)
+    path = write_table(_rounded(table.assign(**proportions)), path)
+    if film or earlier_films:
+        write_films(path, [(x, (earlier_films or {}).get(x, film)) for x in _pose_lines(path)])
+    return path
 
 
 def write_pose(table: pd.DataFrame, path: str | Path, *, names: PoseNames) -> Path:

@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.files import as_word, read_bytes
+from pawnb.files import as_word
 from pawnb.io.recognise import find_format
-from pawnb.io.tables import read_cells, read_numbers, write_table, write_text
+from pawnb.io.start_films import lines_of, read_films, write_films
+from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 
 FILM_COLUMN = "film"
 """Code of the film in which a point was clicked."""
-_FILMS_SUFFIX = ".films.json"
-"""``start.films.json`` beside ``start.csv`` has the code of each of its lines."""
 _OWN_FORMATS = ("csv", "csv-3d", "pawnb")
 
 
@@ -92,24 +90,23 @@ def films_of_clicks(path: str | Path) -> dict[tuple[int, str, str, float, float]
         Frame, view, point, u and v of a click to the film's code
         (:func:`pawnb.core.video.doubts.exchanged_films.film_code`).
     """
-    file = Path(path).with_suffix(_FILMS_SUFFIX)
-    if not file.exists():
+    if not (known := read_films(path)):
         return {}
     try:
-        known = json.loads(read_bytes(file))
         return {
-            (int(frame), view, point, float(u), float(v)): str(known[line])
+            (int(frame), view, point, float(u), float(v)): known[line]
             for line, (frame, view, point, u, v) in _lines(path)
             if line in known
         }
-    except (InputError, ValueError, TypeError):  # the clicks are read, and faults told, elsewhere
+    except (InputError, ValueError):  # the clicks are read, and faults told, elsewhere
         return {}
 
 
 def _lines(path: str | Path) -> list[tuple[str, tuple[str, ...]]]:
     """Return each line of a file of clicks, and its cells."""
     cells = read_cells(path, START_COLUMNS)[list(START_COLUMNS)]
-    return [(",".join(row), row) for row in cells.itertuples(index=False, name=None)]
+    rows = cells.itertuples(index=False, name=None)
+    return list(zip(lines_of(cells), rows, strict=True))
 
 
 def clicked_films(path: str | Path) -> dict[str, set[str]]:
@@ -194,9 +191,8 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     check_columns(start, START_COLUMNS, where="start clicks")
     path = write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
     if FILM_COLUMN in start:
-        codes = zip(_lines(path), start[FILM_COLUMN], strict=True)
-        films = {line: film for (line, _), film in codes if film}
-        write_text(json.dumps(films, indent=1), path.with_suffix(_FILMS_SUFFIX))
+        lines = [line for line, _ in _lines(path)]
+        write_films(path, zip(lines, start[FILM_COLUMN], strict=True))
     return path
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
-from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_other_films
 from pawnb.errors import InputError
 from pawnb.io.start import clicked_films
 from pawnb.trial import Trial
@@ -95,7 +95,7 @@ class ClickInitialiser(FrameCanvas):
             films=film_codes(shown.readers),
         )
         self._proposal = self._reason = ""
-        exchanged = tell_exchanged_films(self.session.films, clicked_films(self.session.path))
+        exchanged = tell_other_films(self.session.films, clicked_films(self.session.path))
         self._exchanged = "".join(f"⚠ {text}.\n" for text in exchanged)
         if propose:
             self._propose(trial, propose)

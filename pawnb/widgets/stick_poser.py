@@ -15,6 +15,7 @@ from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.video import ViewSet, open_views
+from pawnb.core.video.doubts.exchanged_films import film_code
 from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial
 from pawnb.widgets.click_initialiser import trial_span
@@ -36,6 +37,7 @@ from pawnb.workflow.start.propose_pose import (
     trial_animal,
     trial_background,
 )
+from pawnb.workflow.start.start_doubts import tell_other_film
 from pawnb.workflow.start.sureness import SURE_FROM
 
 _LENGTH_STEP = 1.02
@@ -101,6 +103,10 @@ class StickPoser(FrameCanvas):
         self.fits, self.layers = FitLayers(), EnergyLayers()
         self.measuring: ScaleClicks | None = None
         self.session = session or self._new_session(frame, path)
+        self._other_film = "".join(
+            f"⚠ {text}.\n"
+            for text in tell_other_film(self.session.path, view=self.view, film=self.session.film)
+        )
         if propose:
             self._propose(propose if isinstance(propose, PoseStart) else None)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
@@ -120,6 +126,7 @@ class StickPoser(FrameCanvas):
             span=trial_span(self.trial, self._shown),
             frame=frame,
             path=path,
+            film=film_code(reader.source),
         )
 
     @property
@@ -329,7 +336,7 @@ class StickPoser(FrameCanvas):
         if self.measuring is not None:
             self._show_measuring(self.measuring)
             return
-        told = f"{said or session.prompt()}\n{session.remarks()} {self._kept()}"
+        told = f"{said or session.prompt()}\n{self._other_film}{session.remarks()} {self._kept()}"
         seen = self._look()
         leg, layers = session.leg, self._shown_layers()
         length = round(session.pose.length_of(leg), 3)

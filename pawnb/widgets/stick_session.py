@@ -15,6 +15,7 @@ from pawnb.core.pose.animal import LEFT, RIGHT, StickAnimal
 from pawnb.core.pose.pose_table import read_start_pose, write_start
 from pawnb.core.pose.poses import Poses, join_poses, natural_pose
 from pawnb.errors import InputError
+from pawnb.io.pose import films_of_poses
 from pawnb.trial import Trial
 from pawnb.widgets.draft import Draft
 from pawnb.widgets.stick_pose import StickPose, stick_pose
@@ -59,9 +60,13 @@ class StickSession(Draft[StickState]):
     path : str or Path, optional
         Where the pose goes; default the trial's ``[start] pose``, else ``start_pose.csv``
         beside the trial.
+    film : str, optional
+        Code of the view's film, kept beside its poses: another film may be put there later.
 
     Attributes
     ----------
+    film : str
+        Code of the view's film.
     frame : int
         The frame looked at.
     leg : str
@@ -84,10 +89,12 @@ class StickSession(Draft[StickState]):
         span: tuple[int, int],
         frame: int | None = None,
         path: str | Path | None = None,
+        film: str = "",
     ) -> None:
         super().__init__(
             Path(path) if path else trial.path(trial.start_pose or "start_pose.csv"), span
         )
+        self.film, self._earlier_films = film, films_of_poses(self.path)
         self.trial, self.species, self.size = trial, species, size
         self.colours = point_colours(species.leg_names)
         self.leg = species.leg_names[0]
@@ -330,7 +337,8 @@ class StickSession(Draft[StickState]):
         self._make(StickState(pose, where, others=_without(self._state.others, where)))
 
     def _write(self) -> None:
-        write_start(self.path, self.animal(), self.poses(), species=self.species)
+        films = {"film": self.film, "earlier_films": self._earlier_films}
+        write_start(self.path, self.animal(), self.poses(), species=self.species, **films)
 
     def _keep(self, state: StickState) -> bool:
         """Say yes to poses that a person made: the file keeps these."""

@@ -12,6 +12,7 @@ from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.poses import joint_positions, natural_pose, tip_positions
 from pawnb.core.pose.species_file import load_species
 from pawnb.errors import InputError
+from pawnb.io.pose import films_of_poses
 from pawnb.trial import Animal, Calibration, Trial
 from pawnb.widgets.stick_drawing import describe
 from pawnb.widgets.stick_session import StickSession
@@ -303,6 +304,36 @@ def test_tracking_may_start_from_several_frames(session):
     again.go(40)
     again.pose_here()
     assert again.posed_frames == [20, 40]
+
+
+def test_poses_keep_in_which_film_they_were_made(session):
+    """The file of poses has no column for it: its columns are a contract."""
+    films = {"one": "p0123456789abcdef", "two": "pfedcba9876543210"}
+
+    def opened(film):
+        return StickSession(session.trial, SPECIES, size=(640, 512), span=(0, 99), film=film)
+
+    def kept():
+        return sorted(films_of_poses(session.path).values())
+
+    assert kept() == []  # a session that knows no film
+    first = opened(films["one"])
+    first.go(60)
+    first.pose_here_too()
+    # the pose that was there before may be of any film
+    assert kept() == [films["one"]] * 2
+    assert not [c for c in pd.read_csv(session.path) if "film" in c]
+    # another film, in which one of the two is made again: the other is of the first still
+    second = opened(films["two"])
+    second.go(60)
+    second.drag("body", 111.0, 122.0)
+    second.set_length(0.9, "L2")
+    assert kept() == [films["one"], films["two"]]
+    second.undo()
+    second.undo()
+    assert kept() == [films["one"]] * 2
+    session.path.with_suffix(".films.json").write_bytes(b"[\xff")
+    assert kept() == []
 
 
 def test_a_proposal_leaves_the_poses_of_other_frames(session):

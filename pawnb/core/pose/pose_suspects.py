@@ -1,6 +1,6 @@
 """Which frames of a tracked jointed animal a person should look at, and why.
 
-Nothing is known here of what is true. A leg in a frame is doubted for five kinds of evidence.
+Nothing is known here of what is true. A leg in a frame is doubted for six kinds of evidence.
 Each is 0 up to where it is ordinary, grows by 1 for each further step of the same size, and
 counts 3 at most:
 
@@ -9,25 +9,29 @@ counts 3 at most:
   its own turns from frame to frame, and at least 10 degrees;
 - a joint is beyond its range by more than 10 degrees (ranges are soft at their ends);
 - it crosses another leg;
-- its tip is three times as uncertain as usual, where the method tells that.
+- its tip is three times as uncertain as usual, where the method tells that;
+- the film stood still before it: legs that swung meanwhile may have been exchanged.
 
+In a film that stands still nothing is seen of any leg: its first such frame is listed, and says so.
 Frames are chosen as for points (:mod:`pawnb.core.suspects.frames`): the most doubtful first, and it
 calms the doubts about the frames around it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
-from pawnb.arrays import BoolArray, FloatArray
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.suspects.frames import SECOND_SHARE, choose_frames
+from pawnb.core.video.doubts.frozen_labels import freezes_in_words, freezes_of_tracks
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks
 from pawnb.signals.robust import MAD_TO_SD
 
@@ -86,10 +90,15 @@ def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
         _crosses(animal, track),
         _vague(animal, track),
     ]
+    freezes = [freeze for own in freezes_of_tracks(tracks).values() for freeze in own]
+    doubts.append(_after_freeze(track, freezes))
     total = np.sum([np.minimum(doubt.score, _MOST_DOUBT) for doubt in doubts], axis=0)
-    total[(track.origin == ORIGIN_CODE["edited"]) | (track.origin == ORIGIN_CODE["missing"])] = 0.0
+    settled = np.isin(track.origin, (ORIGIN_CODE["edited"], ORIGIN_CODE["missing"]))
     frames, view = track.poses.frames, str(tracks["view"].to_numpy()[0])
-    rows = []
+    frozen = np.any([(frames >= a) & (frames < b) for a, b in freezes], axis=0) if freezes else []
+    total[settled] = 0.0
+    total[frozen] = 0.0
+    rows = _freeze_rows(animal, frames, settled, freezes, view=view)
     for t, score, left in choose_frames(
         total, frames, apart=_POSES_APART_FRAMES, least_score=_LEAST_SCORE
     ):
@@ -97,7 +106,26 @@ def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
             if left[leg] > 0 and left[leg] >= SECOND_SHARE * left.max():
                 reason = _in_words(doubts, t, leg)
                 rows.append((int(frames[t]), view, animal.leg_names[leg], reason, round(score, 3)))
+    rows.sort(key=lambda row: -row[-1])
     return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
+
+
+def _freeze_rows(
+    animal: StickAnimal,
+    frames: IntArray,
+    settled: BoolArray,
+    freezes: Sequence[tuple[int, int]],
+    *,
+    view: str,
+) -> list[tuple[int, str, str, str, float]]:
+    """List the first frame of each freeze, with each leg that nobody has placed there."""
+    rows = []
+    for freeze in freezes:
+        t = int(np.searchsorted(frames, freeze[0]))
+        reason = f"the film stands still in {freezes_in_words([freeze])}: nothing is seen of it"
+        legs = [name for leg, name in enumerate(animal.leg_names) if not settled[t, leg]]
+        rows += [(int(frames[t]), view, name, reason, float(len(legs))) for name in legs]
+    return rows
 
 
 def chances_of_tips(confidence: FloatArray) -> FloatArray:
@@ -225,6 +253,13 @@ def _vague(animal: StickAnimal, track: PoseTrack) -> _Doubt:
     usual = max(float(np.median(known)) if len(known) else 1.0, 1e-6)
     score = np.nan_to_num(np.maximum(sd / (_VAGUE_TIP * usual) - 1.0, 0.0))
     return _Doubt("its tip is only known to {:.1f} px", score, np.nan_to_num(sd))
+
+
+def _after_freeze(track: PoseTrack, freezes: Sequence[tuple[int, int]]) -> _Doubt:
+    """Doubt every leg in the first frame after a film stood still."""
+    first = np.isin(track.poses.frames, [stop for _, stop in freezes])
+    score = np.where(first[:, None], 1.0, np.zeros(track.confidence.shape))
+    return _Doubt("the film stood still before, and legs may be exchanged", score, score)
 
 
 def _worst_of_leg(animal: StickAnimal, of_joints: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,13 @@ def read_start_pose(path: str | Path, species: StickAnimal) -> tuple[StickAnimal
 
 
 def write_start(
-    path: str | Path, animal: StickAnimal, poses: Poses, *, species: StickAnimal | None = None
+    path: str | Path,
+    animal: StickAnimal,
+    poses: Poses,
+    *,
+    species: StickAnimal | None = None,
+    film: str = "",
+    earlier_films: Mapping[str, str] | None = None,
 ) -> Path:
     """Write poses to start from as ``start_pose.csv``.
 
@@ -60,6 +67,8 @@ def write_start(
         have their lengths written as ``<leg>_<segment>_px``.
     species : StickAnimal, optional
         The animal as its species file describes it, where it differs.
+    film, earlier_films
+        As for :func:`pawnb.io.pose.write_start_pose`.
 
     Returns
     -------
@@ -76,7 +85,7 @@ def write_start(
             if raised[k]
         }
     )
-    return write_start_pose(table, path, factors=factors)
+    return write_start_pose(table, path, factors=factors, film=film, earlier_films=earlier_films)
 
 
 def poses_from_table(table: pd.DataFrame, species: StickAnimal) -> tuple[StickAnimal, Poses]:

@@ -11,7 +11,7 @@ from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_other_films
 from pawnb.errors import PawnbError
 from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, clicked_films, read_start
@@ -78,7 +78,7 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
     )
     report.doubts += tell_one_place(clicks)
     if films := clicked_films(trial.path(file)):
-        report.doubts += tell_exchanged_films(film_codes(views.readers), films)
+        report.doubts += tell_other_films(film_codes(views.readers), films)
     _check_predictions(trial, views, clicks, frames, report)
     if not report.faults and (rig is not None or len(views.names) == 1):
         _doubt_colours(trial, views, rig, clicks, report)

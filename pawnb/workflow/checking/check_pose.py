@@ -10,12 +10,19 @@ from pawnb.core.pose.pose_suspects import joints_beyond_range
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.start_proposal.silhouette import find_silhouette
 from pawnb.core.video import ViewReader, ViewSet
+from pawnb.core.video.doubts.exchanged_films import film_code
 from pawnb.errors import InputWarning, PawnbError
 from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import Trial, View
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
-from pawnb.workflow.start.start_doubts import SECOND_ANIMAL, legs_outside, say_outside, start_doubts
+from pawnb.workflow.start.start_doubts import (
+    SECOND_ANIMAL,
+    legs_outside,
+    say_outside,
+    start_doubts,
+    tell_other_film,
+)
 from pawnb.workflow.tracking.pose.pose_in_space import load_second
 from pawnb.workflow.tracking.pose.track_pose import check_in_picture, pose_views, start_pose
 
@@ -70,6 +77,9 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
         return
     frames = ", ".join(map(str, poses.frames))
     report.found.append(f"start pose: {', '.join(animal.leg_names)} in frame {frames}")
+    if (file := trial.start_pose_file()) is not None:
+        film = film_code(reader.source)
+        report.doubts += tell_other_film(trial.path(file), view=view.name, film=film)
     for row in range(len(poses)):
         _check_joints(animal, poses.take([row]), reader, report, px_per_unit=px_per_unit)
         if background is not None:

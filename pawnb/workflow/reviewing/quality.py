@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -11,6 +12,7 @@ from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
 from pawnb.core.pose.pose_suspects import chances_of_tips
+from pawnb.core.video.doubts.frozen_labels import freezes_in_words, freezes_of_tracks
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import as_word, read_text
 from pawnb.input_warnings import warn_of_input
@@ -48,10 +50,15 @@ def assess_quality(tracks: Tracks) -> Quality:
     True
     """
     if is_pose(tracks):
-        return assess(
-            _with_chances(tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names]))
-        )
-    return assess(tracks, clicks=clicks_of_tracks(tracks))
+        tips = tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names])
+        quality = assess(_with_chances(tips))
+    else:
+        quality = assess(tracks, clicks=clicks_of_tracks(tracks))
+    still = tuple(
+        f"the film of view {view} stands still in {freezes_in_words(own)}"
+        for view, own in freezes_of_tracks(tracks).items()
+    )
+    return replace(quality, reasons=(*still, *quality.reasons))
 
 
 def _with_chances(poses: Tracks) -> Tracks:

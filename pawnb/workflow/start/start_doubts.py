@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.start_proposal.silhouette import Silhouette
+from pawnb.core.video.doubts.exchanged_films import tell_other_films
+from pawnb.io.pose import films_of_poses
 
 SECOND_ANIMAL = 0.3
 """Things this large, as a share of the animal, may be a second one."""
@@ -77,3 +81,24 @@ def start_doubts(outline: Silhouette, frame: int) -> list[str]:
             "size, perhaps a second animal; crop the view to one"
         )
     return doubts
+
+
+def tell_other_film(path: str | Path, *, view: str, film: str) -> list[str]:
+    """Say where the poses to start from were made in another film than their view shows now.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``start_pose.csv``.
+    view : str
+        The view that they are in.
+    film : str
+        The code of its film (:func:`pawnb.core.video.doubts.exchanged_films.film_code`).
+
+    Returns
+    -------
+    list of str
+        A sentence, or nothing.
+    """
+    posed = set(films_of_poses(path).values())
+    return tell_other_films({view: film}, {view: posed}, start="poses") if posed else []

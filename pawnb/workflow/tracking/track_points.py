@@ -15,7 +15,7 @@ from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_other_films
 from pawnb.core.video.doubts.frozen_labels import Freezes, without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
@@ -139,7 +139,7 @@ def _doubt_films(trial: Trial, views: ViewSet, clicks: pd.DataFrame) -> list[str
     """Say which views show films in which others were clicked, or tracked from these clicks."""
     file = trial.start_file()
     films = {} if file is None else clicked_films(trial.path(file))
-    if films and (said := tell_exchanged_films(film_codes(views.readers), films)):
+    if films and (said := tell_other_films(film_codes(views.readers), films)):
         return said
     tracked = [one for one in known_files(results_folder(trial)).steps if one["step"] == "track"]
     if not tracked or tracked[-1].get("start") != clicks.to_dict(orient="records"):

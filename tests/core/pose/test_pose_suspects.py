@@ -13,6 +13,7 @@ from pawnb.core.pose.pose_suspects import (
 )
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
+from pawnb.core.video.doubts.frozen_labels import without_frozen
 from pawnb.schema import ORIGIN_CODE
 from pawnb.workflow.reviewing.quality import next_step
 
@@ -42,6 +43,20 @@ def test_a_leg_that_the_picture_does_not_show(track):
     (row,) = _suspects(track).to_dict("records")
     assert (row["frame"], row["view"], row["point"]) == (35, "top", "L3")
     assert row["reason"] == "the picture hardly shows it (confidence 0.10)"
+
+
+def test_a_film_that_stands_still_is_what_its_frames_are_doubted_for(track):
+    """It was said that the picture hardly shows the legs; those after it were not doubted."""
+    track.origin[39, LEGS.index("R1")] = ORIGIN_CODE["edited"]  # frames of the walk begin at 5
+    tracks = tracks_from_poses(ANIMAL, track, fps=125, view="top")
+    rows = find_pose_suspects(without_frozen(tracks, {"top": [(25, 40)]}))
+    still, after = rows[rows["frame"] == 25], rows[rows["frame"] == 40]
+    assert len(rows) == len(still) + len(after)
+    assert sorted(still["point"]) == sorted(LEGS)
+    reason = "the film stands still in frames 25 to 39: nothing is seen of it"
+    assert set(still["reason"]) == {reason}
+    assert sorted(after["point"]) == sorted(LEGS)
+    assert set(after["reason"]) == {"the film stood still before, and legs may be exchanged"}
 
 
 def test_a_joint_that_jumps_for_one_frame(track):

@@ -7,9 +7,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.video import open_views
+from pawnb.errors import InputWarning
 from pawnb.trial import load_trial
+from pawnb.widgets.stick_poser import StickPoser
 from pawnb.workflow.checking.check import check_trial
+from pawnb.workflow.tracking.track import track
 
 
 def test_a_whole_trial_has_no_faults(rendered_spider):
@@ -114,3 +118,30 @@ def test_background_frames_with_the_animal_and_pixels_without_scale_are_doubted(
         doubt.startswith("something moves in the background, frames 8 to 11") for doubt in doubts
     )
     assert "no px_per_unit in [calibration]: positions will be in px" in doubts
+
+
+@pytest.mark.slow
+def test_a_film_put_for_that_which_was_posed_is_said_wherever_its_pose_is_used(small_spider):
+    """As where another run is saved under the name of a film: its pose was taken without a word."""
+    pose, trial = small_spider / "start_pose.csv", load_trial(small_spider)
+    widget = StickPoser(trial)
+    widget.session.take(*read_start_pose(pose, widget.session.species))
+    widget.close()
+    assert "another film" not in widget.status
+    assert not [doubt for doubt in check_trial(small_spider).doubts if "another film" in doubt]
+    with open_views(trial) as views:
+        pictures = [views.frame(i)["top"].image() for i in range(24)]
+    (small_spider / "other").mkdir()
+    for i, picture in enumerate(pictures):  # in another light
+        light = np.where(np.arange(picture.shape[1]) // 40 % 2, 1.0, 0.7)
+        cv2.imwrite(
+            str(small_spider / "other" / f"{i:03d}.png"), (picture * light).astype(np.uint8)
+        )
+    change(small_spider, 'video = "spider.avi"', 'video = "other"')
+    said = "the poses of view top were made in another film than it shows now"
+    assert sum(doubt.startswith(said) for doubt in check_trial(small_spider).doubts) == 1
+    again = StickPoser(small_spider)
+    again.close()
+    assert said in again.status
+    with pytest.warns(InputWarning, match=said):
+        track(small_spider, frames=(10, 12), settings={"choose_path": False})

@@ -70,7 +70,10 @@ def test_films_exchanged_since_they_were_clicked_or_tracked_are_said(small_trial
         track(small_trial, method="paper", frames=FRAMES, out=small_trial / "results")
     names = {"cam1.avi": "cam2.avi", "cam2.avi": "cam1.avi"}
     (small_trial / "trial.toml").write_text(re.sub("cam[12].avi", lambda m: names[m[0]], text))
-    said = {"clicks": "view cam1 was clicked in another film", "tracks": "view cam1 was given cam2"}
+    said = {
+        "clicks": "the clicks of view cam1 were made in another film",
+        "tracks": "view cam1 was given cam2",
+    }
     with pytest.warns(InputWarning) as told:
         track(small_trial, method="paper", frames=FRAMES)
     assert any(str(one.message).startswith(said[known_by]) for one in told)

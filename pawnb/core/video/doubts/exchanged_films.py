@@ -1,4 +1,4 @@
-"""Whether the films of two cameras were exchanged since points were clicked in them."""
+"""Whether a film is that in which a start was made, or was exchanged or replaced since."""
 
 from __future__ import annotations
 
@@ -56,17 +56,19 @@ def film_codes(readers: Mapping[str, Any]) -> dict[str, str]:
     return {name: film_code(r.source) for name, r in readers.items() if hasattr(r, "source")}
 
 
-def tell_exchanged_films(
-    now: Mapping[str, str], clicked: Mapping[str, Collection[str]]
+def tell_other_films(
+    now: Mapping[str, str], made_in: Mapping[str, Collection[str]], *, start: str = "clicks"
 ) -> list[str]:
-    """Say which views show the film in which another view was clicked.
+    """Say which views show another film than that in which their start was made.
 
     Parameters
     ----------
     now : mapping of str to str
         Of each view, the code of its film.
-    clicked : mapping of str to collection of str
-        Of each view, the codes of the films in which its points were clicked, as far as known.
+    made_in : mapping of str to collection of str
+        Of each view, the codes of the films in which its start was made, as far as known.
+    start : str
+        What the start is made of, in the plural: clicks or poses.
 
     Returns
     -------
@@ -75,20 +77,26 @@ def tell_exchanged_films(
     """
     said = []
     for view, code in now.items():
-        # clicks may have been made both before films were exchanged and after
-        if max(_bits_apart(code, clicked.get(view, ())), default=0) < _UNLIKE_BITS:
+        # a start may have been made both before films were exchanged and after
+        if max(_bits_apart(code, made_in.get(view, ())), default=0) < _UNLIKE_BITS:
             continue
         alike = [
             other
-            for other, codes in clicked.items()
+            for other, codes in made_in.items()
             if other != view
             and min(_bits_apart(code, codes), default=_PARTS_ACROSS * _PARTS_ACROSS) <= _ALIKE_BITS
         ]
+        another = f"the {start} of view {view} were made in another film than it shows now"
         if alike:
             said.append(
-                f"view {view} was clicked in another film than it shows now: it shows the film in "
-                f"which {' and '.join(alike)} was clicked; films were exchanged or renamed since, "
-                "so give each view its own film again, or click the points of both anew"
+                f"{another}: it shows the film of {' and '.join(alike)}; films were exchanged or "
+                "renamed since, so give each view its own film again, or make the "
+                f"{start} of both anew"
+            )
+        else:
+            said.append(
+                f"{another}, and may not lie on the animal: the file or its name in trial.toml was "
+                f"changed since, so put the film back, or make the {start} anew"
             )
     return said
 

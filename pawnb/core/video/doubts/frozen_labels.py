@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,6 +11,9 @@ from pawnb.schema import ORIGIN_CODE, Tracks
 
 Freezes = Mapping[str, Sequence[tuple[int, int]]]
 """View to half-open ranges of frames of the trial in which its film shows one picture again."""
+
+_STANDS_STILL = "stands_still"
+"""Attribute of tracks: where the films stood still, as JSON."""
 
 
 def without_frozen(tracks: Tracks, freezes: Freezes, *, needs_all: bool = False) -> Tracks:
@@ -29,6 +33,7 @@ def without_frozen(tracks: Tracks, freezes: Freezes, *, needs_all: bool = False)
     xarray.Dataset
         Positions are as they were; what a person has placed stays as it is. A position in space
         is predicted where no view has measured it, or not every view where all are needed.
+        :func:`freezes_of_tracks` tells where that is.
     """
     frames = tracks["frame"].to_numpy()
     frozen = np.zeros((tracks.sizes["time"], tracks.sizes["view"]), bool)
@@ -51,4 +56,35 @@ def without_frozen(tracks: Tracks, freezes: Freezes, *, needs_all: bool = False)
             data=np.where(in_space, predicted, tracks["origin"]).astype(tracks["origin"].dtype)
         ),
         confidence=tracks["confidence"].copy(data=np.where(in_space, 0.0, tracks["confidence"])),
-    )
+    ).assign_attrs({_STANDS_STILL: json.dumps({view: list(own) for view, own in freezes.items()})})
+
+
+def freezes_of_tracks(tracks: Tracks) -> dict[str, list[tuple[int, int]]]:
+    """Return where the films stood still that tracks were made from.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+
+    Returns
+    -------
+    dict
+        View to half-open ranges of frames, as far as there are tracks of them; views without any
+        are left out.
+    """
+    document = json.loads(tracks.attrs.get(_STANDS_STILL, "{}"))
+    frames = tracks["frame"].to_numpy()
+    found = {}
+    for view in tracks["view"].to_numpy().tolist() if document else ():
+        own = [(int(a), int(b)) for a, b in document.get(view, ())]
+        if own := [(a, b) for a, b in own if ((frames >= a) & (frames < b)).any()]:
+            found[str(view)] = own
+    return found
+
+
+def freezes_in_words(freezes: Sequence[tuple[int, int]]) -> str:
+    """Return half-open ranges of frames as ``frames 101 to 114 and 130 to 133``."""
+    *most, last = [f"{a} to {b - 1}" for a, b in freezes]
+    before = f"{', '.join(most)} and " if most else ""
+    return f"frames {before}{last}"

@@ -22,6 +22,7 @@ from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet
+from pawnb.core.video.doubts.exchanged_films import film_code
 from pawnb.core.video.doubts.frozen_labels import Freezes, without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
 from pawnb.errors import InputError, InputWarning
@@ -33,7 +34,12 @@ from pawnb.workflow.provenance.manifest import run_alone
 from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
-from pawnb.workflow.start.start_doubts import legs_outside, say_outside, start_doubts
+from pawnb.workflow.start.start_doubts import (
+    legs_outside,
+    say_outside,
+    start_doubts,
+    tell_other_film,
+)
 from pawnb.workflow.tracking.methods import (
     space_settings,
     tracker_settings,
@@ -82,7 +88,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         span = _frame_range(trial, views, poses, asked.frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
-        _tell_doubts(animal, poses, reader, background)
+        _tell_doubts(animal, poses, reader, background, _other_film(trial, reader, asked))
         freezes = _tell_freezes(trial, views, span)
         if background.n_frames > 1 and not (tracker.is_offline or asked.frames or trial.frames):
             span = _with_animal(reader, view, span, poses)
@@ -246,18 +252,30 @@ def check_in_picture(poses: Poses, reader: ViewReader) -> None:
             )
 
 
+def _other_film(trial: Trial, reader: ViewReader, asked: TrackOptions) -> list[str]:
+    """Say that poses in the trial's file were made in another film, where these are taken."""
+    if asked.start is not None or (file := trial.start_pose_file()) is None:
+        return []
+    film = film_code(reader.source)
+    return tell_other_film(trial.path(file), view=trial.views[0].name, film=film)
+
+
 def _tell_doubts(
-    animal: StickAnimal, poses: Poses, reader: ViewReader, background: Background
+    animal: StickAnimal,
+    poses: Poses,
+    reader: ViewReader,
+    background: Background,
+    doubts: list[str],
 ) -> None:
-    """Warn of start frames in which the animal touches the edge or may not be alone."""
+    """Warn of doubts, and of frames in which the animal touches the edge or may not be alone."""
     for i, frame in enumerate(poses.frames.tolist()):
         outline = find_silhouette(reader.frame(frame).image(), background)
-        doubts = start_doubts(outline, frame) if outline is not None else []
+        doubts = [*doubts, *(start_doubts(outline, frame) if outline is not None else [])]
         outside = legs_outside(animal, poses.take([i]), size=(reader.width, reader.height))
         if outside and not (outline is not None and outline.at_edge):  # that is said already
-            doubts.append(say_outside(outside, frame))
-        for doubt in doubts:
-            warn_of_input(f"{doubt}.", InputWarning, stacklevel=4)
+            doubts = [*doubts, say_outside(outside, frame)]
+    for doubt in doubts:
+        warn_of_input(f"{doubt}.", InputWarning, stacklevel=4)
 
 
 def _tell_freezes(trial: Trial, views: ViewSet, span: tuple[int, int]) -> Freezes:

@@ -1,4 +1,4 @@
-"""Films of two cameras that were exchanged after points were clicked in them."""
+"""Films that were exchanged, or put for another, after a start was made in them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.video import open_views
-from pawnb.core.video.doubts.exchanged_films import film_codes, tell_exchanged_films
+from pawnb.core.video.doubts.exchanged_films import film_codes, tell_other_films
 from pawnb.trial import Animal, Trial, View
 
 
@@ -54,26 +54,35 @@ def films(tmp_path):
 def test_exchanged_films_are_said(tmp_path, films):
     clicked = {n: {c} for n, c in codes_of(tmp_path, a=films["one"], b=films["two"]).items()}
     now = codes_of(tmp_path, a=films["two"], b=films["one"])
-    first, second = tell_exchanged_films(now, clicked)
-    assert first.startswith("view a was clicked in another film than it shows now: it shows the")
-    assert "film in which b was clicked" in first
-    assert second.startswith("view b was")
-    assert not tell_exchanged_films(now, {})
+    first, second = tell_other_films(now, clicked)
+    assert first.startswith("the clicks of view a were made in another film than it shows now: ")
+    assert "it shows the film of b;" in first
+    assert second.startswith("the clicks of view b were")
+    assert not tell_other_films(now, {})
     # some of them were clicked anew since
     clicked["a"].add(now["a"])
-    assert len(tell_exchanged_films(now, clicked)) == 2
+    assert len(tell_other_films(now, clicked)) == 2
+
+
+def test_a_film_that_was_put_for_another_is_said(tmp_path, films):
+    posed = {"top": {codes_of(tmp_path, a=films["one"])["a"]}}
+    (said,) = tell_other_films(codes_of(tmp_path, top=films["two"]), posed, start="poses")
+    assert said.startswith("the poses of view top were made in another film than it shows now, and")
+    assert said.endswith("make the poses anew")
+    # of a flat picture nothing is known
+    assert not tell_other_films(codes_of(tmp_path, top=films["flat"]), posed)
 
 
 def test_films_compressed_again_renamed_or_flat_are_not_said_to_be_exchanged(tmp_path, films):
     clicked = {n: {c} for n, c in codes_of(tmp_path, a=films["one"], b=films["two"]).items()}
     again = codes_of(tmp_path, a=films["one"], b=films["small"])
-    assert not tell_exchanged_films(again, clicked)
+    assert not tell_other_films(again, clicked)
     assert codes_of(tmp_path, a=films["flat"]) == {"a": ""}
-    assert not tell_exchanged_films({"a": "", "b": ""}, clicked)
+    assert not tell_other_films({"a": "", "b": ""}, clicked)
     # a spreadsheet that changed the cells, and views of one film
-    assert not tell_exchanged_films(again, {"a": {"1.2E+16"}, "b": {"x"}})
+    assert not tell_other_films(again, {"a": {"1.2E+16"}, "b": {"x"}})
     both = codes_of(tmp_path, a=films["one"], b=films["one"])
-    assert not tell_exchanged_films(both, {name: {code} for name, code in both.items()})
+    assert not tell_other_films(both, {name: {code} for name, code in both.items()})
 
 
 @pytest.mark.slow
@@ -94,8 +103,8 @@ def test_real_cameras_are_told_apart_though_compressed_again(real_data, tmp_path
             stream.width, stream.height, stream.pix_fmt = first.width, first.height, "yuv420p"
             container.mux(stream.encode(av.VideoFrame.from_ndarray(first.to_ndarray(), "yuv420p")))
             container.mux(stream.encode())
-    assert not tell_exchanged_films(codes_of(tmp_path, **again), known)
+    assert not tell_other_films(codes_of(tmp_path, **again), known)
     a, b = films[0].stem, films[1].stem
     renamed = again | {a: shutil.copy(again[b], tmp_path / "x.mp4"), b: again[a]}
-    said = tell_exchanged_films(codes_of(tmp_path, **renamed), known)
+    said = tell_other_films(codes_of(tmp_path, **renamed), known)
     assert [text.split()[1] for text in said] == [a, b]

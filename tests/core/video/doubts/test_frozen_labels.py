@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
-from pawnb.core.video.doubts.frozen_labels import without_frozen
+from pawnb.core.video.doubts.frozen_labels import freezes_of_tracks, without_frozen
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.reviewing.quality import assess_quality
 
@@ -50,6 +50,12 @@ def test_places_in_space_are_predicted_where_every_film_stood_still_and_the_verd
     worse = assess_quality(found)
     assert worse.verdict == "look"
     assert [round(point.measured, 3) for point in worse.points] == [0.575, 0.575]
+    # and why: nobody looks for a fault of the tracker where the film is at fault
+    assert worse.reasons[:2] == (
+        "the film of view left stands still in frames 105 to 114",
+        "the film of view right stands still in frames 108 to 114",
+    )
+    assert "the film of view left stands still" in worse.line()
 
 
 def test_a_joint_that_needs_every_view_is_predicted_where_one_film_stood_still():
@@ -63,3 +69,10 @@ def test_without_a_freeze_tracks_stay_the_same():
     tracks = measured_tracks()
     assert without_frozen(tracks, {}) is tracks
     assert without_frozen(tracks, {"left": [(0, 20)]}) is tracks
+    assert freezes_of_tracks(tracks) == {}
+
+
+def test_tracks_know_where_their_films_stood_still():
+    found = without_frozen(measured_tracks(), {"left": [(40, 50), (102, 104), (110, 114)]})
+    assert freezes_of_tracks(found) == {"left": [(102, 104), (110, 114)]}
+    assert freezes_of_tracks(found.isel(time=slice(0, 8))) == {"left": [(102, 104)]}

@@ -80,7 +80,7 @@ class Quality:
     expected_right, measured, bridged, missing : float
         Means over the points.
     reasons : tuple of str
-        Of the points that are not good, the worst first.
+        Where a film stands still, and those of the points that are not good, the worst first.
     points : tuple of PointQuality
         In the order of the tracks.
     gaps : tuple of TimeGap
