@@ -96,7 +96,8 @@ def read_pose(path: str | Path, *, names: PoseNames, other_legs: bool = False) -
         if column not in known:
             raise InputError(
                 f"{where}: unknown column {column!r}{did_you_mean(str(column), known)}; expected "
-                f"{', '.join(POSE_COLUMNS)} and joints such as {', '.join(names.joints[:3])}."
+                f"{', '.join(POSE_COLUMNS)} and joints such as {', '.join(names.joints[:3])}; a "
+                "pose of another species does not fit: pose the animal anew, or name that species."
             )
     columns = {
         str(name): read_numbers(

@@ -21,14 +21,15 @@ from pawnb.workflow.start.start_doubts import (
     legs_outside,
     say_outside,
     start_doubts,
+    tell_backwards,
     tell_other_film,
+    tell_size,
 )
 from pawnb.workflow.tracking.pose.pose_in_space import load_second
 from pawnb.workflow.tracking.pose.track_pose import check_in_picture, pose_views, start_pose
 
 _ON_ANIMAL = 0.5
 """Least share of the body's middle line that must lie on the animal."""
-_OTHER_SIZE = 1.5
 _SEVERAL = 3
 _MOVES_GREY = 12.0
 _MOVES_SHARE = 3e-4
@@ -56,10 +57,9 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
     report.found.append(
         f"species {species.name}: {len(species.legs)} legs, {species.n_dof} degrees of freedom"
     )
-    px_per_unit = None if trial.calibration is None else trial.calibration.px_per_unit
     if second is not None:
         _check_second(trial, views, second, report)
-    elif px_per_unit is None:
+    elif trial.calibration is None or trial.calibration.px_per_unit is None:
         report.doubts.append("no px_per_unit in [calibration]: positions will be in px")
     reader = views.readers[view.name]
     background = _find_background(trial, views, report)
@@ -81,7 +81,7 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
         film = film_code(reader.source)
         report.doubts += tell_other_film(trial.path(file), view=view.name, film=film)
     for row in range(len(poses)):
-        _check_joints(animal, poses.take([row]), reader, report, px_per_unit=px_per_unit)
+        _check_joints(trial, animal, poses.take([row]), reader, report)
         if background is not None:
             _check_on_animal(animal, poses.take([row]), reader, background, report)
 
@@ -126,20 +126,11 @@ def _check_empty(background: Background, report: CheckReport) -> None:
 
 
 def _check_joints(
-    animal: StickAnimal,
-    pose: Poses,
-    reader: ViewReader,
-    report: CheckReport,
-    *,
-    px_per_unit: float | None,
+    trial: Trial, animal: StickAnimal, pose: Poses, reader: ViewReader, report: CheckReport
 ) -> None:
     """Doubt an unlikely size, joints beyond their range, and legs off the picture."""
-    frame, scale = pose.frames[0], float(pose.scale[0])
-    if px_per_unit is not None and not 1 / _OTHER_SIZE < scale / px_per_unit < _OTHER_SIZE:
-        report.doubts.append(
-            f"start pose of frame {frame}: the animal is {scale / px_per_unit:.2f} times as large "
-            "as its species file says; look at scale, px_per_unit and the species"
-        )
+    frame = pose.frames[0]
+    report.doubts += tell_size(trial, animal, pose)
     beyond = joints_beyond_range(animal, pose.angles_deg[0])
     if beyond:
         worst = sorted(beyond, key=lambda name: -beyond[name])[:_SEVERAL]
@@ -169,6 +160,7 @@ def _check_on_animal(
         )
         return
     report.doubts += start_doubts(outline, frame)
+    report.doubts += tell_backwards(animal, pose, reader, background)
     ends = [part.centre[0] + side * part.length / 2 for part in animal.body for side in (-1, 1)]
     along = np.linspace(min(ends), max(ends), 21)[1:-1] * float(pose.scale[0])
     turn = np.radians(float(pose.heading_deg[0]))

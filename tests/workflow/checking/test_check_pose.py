@@ -110,6 +110,37 @@ def test_joints_out_of_range_an_odd_size_and_the_edge_are_doubted(small_spider):
     assert any("touches the edge of the picture" in doubt for doubt in doubts)
 
 
+def test_a_heading_against_the_way_the_animal_goes_is_doubted(small_spider):
+    """A running spider posed the wrong way round was tracked as *good*, each leg as another."""
+    start = pd.read_csv(small_spider / "start_pose.csv")
+    turn = np.radians(start["heading"].iloc[0])
+    with open_views(load_trial(small_spider)) as views:
+        pictures = [views.frame(i)["top"].image().astype(np.int16) for i in range(24)]
+    (small_spider / "goes").mkdir()
+    for i, picture in enumerate(pictures):  # 0.8 px a frame, into the picture
+        by = np.round(0.8 * (10 - i) * np.array([np.sin(turn), np.cos(turn)])).astype(int)
+        moved = pictures[0] + np.roll(picture - pictures[0], by if i > 10 else (0, 0), (0, 1))
+        cv2.imwrite(str(small_spider / "goes" / f"{i:03d}.png"), np.clip(moved, 0, 255))
+    change(small_spider, 'video = "spider.avi"', 'video = "goes"')
+    (doubt,) = [d for d in check_trial(small_spider).doubts if "backwards" in d]
+    assert doubt.startswith("start pose of frame 10: the animal goes backwards from frame 10 to")
+    assert "its heading is the wrong way round" in doubt
+    turned = start.assign(heading=start["heading"] + 180.0)
+    turned.to_csv(small_spider / "start_pose.csv", index=False)
+    assert not [d for d in check_trial(small_spider).doubts if "backwards" in d]
+
+
+def test_sizes_are_compared_in_the_unit_of_the_species_file(small_spider):
+    # 1.452 px per mm
+    change(small_spider, 'px_per_unit = 1.452\nunit = "mm"', 'px_per_unit = 14.52\nunit = "cm"')
+    assert check_trial(small_spider).doubts == []
+    change(small_spider, 'unit = "cm"', 'unit = "mm"')
+    (doubt,) = check_trial(small_spider).doubts
+    # dolomedes.toml: a body of 28.2 mm; the pose is 0.8 as large as the scale for perspective
+    assert "by px_per_unit the body is" in doubt
+    assert "mm long" in doubt
+
+
 def test_background_frames_with_the_animal_and_pixels_without_scale_are_doubted(small_spider):
     change(small_spider, "    0,\n    10,", "    8,\n    12,")
     change(small_spider, "[calibration]\npx_per_unit = 1.452", "[calibration]")

@@ -38,7 +38,9 @@ from pawnb.workflow.start.start_doubts import (
     legs_outside,
     say_outside,
     start_doubts,
+    tell_backwards,
     tell_other_film,
+    tell_size,
 )
 from pawnb.workflow.tracking.methods import (
     space_settings,
@@ -88,7 +90,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         span = _frame_range(trial, views, poses, asked.frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
-        _tell_doubts(animal, poses, reader, background, _other_film(trial, reader, asked))
+        _tell_doubts(trial, animal, poses, views, background, asked)
         freezes = _tell_freezes(trial, views, span)
         if background.n_frames > 1 and not (tracker.is_offline or asked.frames or trial.frames):
             span = _with_animal(reader, view, span, poses)
@@ -261,19 +263,26 @@ def _other_film(trial: Trial, reader: ViewReader, asked: TrackOptions) -> list[s
 
 
 def _tell_doubts(
+    trial: Trial,
     animal: StickAnimal,
     poses: Poses,
-    reader: ViewReader,
+    views: ViewSet,
     background: Background,
-    doubts: list[str],
+    asked: TrackOptions,
 ) -> None:
-    """Warn of doubts, and of frames in which the animal touches the edge or may not be alone."""
+    """Warn of poses made in another film, and of what looks wrong in each start frame."""
+    reader = views.readers[trial.views[0].name]
+    doubts = _other_film(trial, reader, asked)
     for i, frame in enumerate(poses.frames.tolist()):
+        pose = poses.take([i])
         outline = find_silhouette(reader.frame(frame).image(), background)
-        doubts = [*doubts, *(start_doubts(outline, frame) if outline is not None else [])]
-        outside = legs_outside(animal, poses.take([i]), size=(reader.width, reader.height))
+        doubts = [*doubts, *tell_size(trial, animal, pose)]
+        if outline is not None:
+            doubts += start_doubts(outline, frame)
+            doubts += tell_backwards(animal, pose, reader, background)
+        outside = legs_outside(animal, pose, size=(reader.width, reader.height))
         if outside and not (outline is not None and outline.at_edge):  # that is said already
-            doubts = [*doubts, say_outside(outside, frame)]
+            doubts.append(say_outside(outside, frame))
     for doubt in doubts:
         warn_of_input(f"{doubt}.", InputWarning, stacklevel=4)
 

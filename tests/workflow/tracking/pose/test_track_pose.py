@@ -194,6 +194,14 @@ def test_a_recording_without_empty_frames_is_doubted(small_spider):
         trial_background(trial, views)
 
 
+@pytest.mark.slow
+def test_a_scale_that_is_off_by_ten_is_said_in_tracking(small_spider):
+    """Lengths and speeds were ten times too small, and the verdict *good*."""
+    change(small_spider, "trial.toml", "px_per_unit = 1.452", "px_per_unit = 14.52")
+    with pytest.warns(InputWarning, match="0.085 times as large as its species file says"):
+        track(small_spider, frames=(10, 12), settings={"choose_path": False})
+
+
 def test_an_offset_is_refused(small_spider):
     change(small_spider, "trial.toml", "background_frames = [\n    0,\n    10,\n]", "offset = 10")
     with pytest.raises(InputError, match="offset is 10; a pose is tracked in the first view"):
