@@ -88,7 +88,8 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
             raise InputError(
                 f"attribute {name!r} of the tracks is {value!r}; netCDF stores text and numbers."
             )
-    return write_whole(path, netcdf_bytes(tracks))
+    # in the order in which they are read: tracks that were read and are written give these bytes
+    return write_whole(path, netcdf_bytes(tracks[list(tracks.data_vars)]))
 
 
 def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:

@@ -58,6 +58,16 @@ def example(n=6, *, individuals=("m07",), seed=0):
 # --- netCDF ------------------------------------------------------------------------------------
 
 
+def test_tracks_that_were_read_are_written_as_the_same_bytes(tmp_path):
+    """As those of a review: joints, which come last, stood behind their coordinates."""
+    tracks = example().assign_coords(joint=["L1_BC", "L1_CF"])
+    angles = ("time", "joint", "individual"), np.ones((6, 2, 1))
+    tracks = tracks.assign(joint_angle=angles)
+    path = native.write_tracks(tracks, tmp_path / "tracks.nc")
+    again = native.write_tracks(native.read_tracks(path), tmp_path / "again.nc")
+    assert again.read_bytes() == path.read_bytes()
+
+
 def assert_same(found, given):
     """Identical values, coordinates, attributes, and types of all of them."""
     xr.testing.assert_identical(found, given)

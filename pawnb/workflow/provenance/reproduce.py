@@ -18,6 +18,7 @@ from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.input_warnings import hearing_input_warnings
+from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
 from pawnb.workflow.gait.drawing.draw_figure import STEP, redraw
@@ -28,7 +29,7 @@ from pawnb.workflow.provenance.manifest import MANIFEST, read_manifest
 from pawnb.workflow.provenance.recipes import FIGURE_ENDINGS, Recipe, read_recipe
 from pawnb.workflow.provenance.record import package_versions, trial_fingerprint, trial_inputs
 from pawnb.workflow.provenance.report.index_page import INDEX_FILE
-from pawnb.workflow.provenance.results import write_track_results
+from pawnb.workflow.provenance.results import provenance_steps, write_track_results
 from pawnb.workflow.provenance.same_content import tell_difference, tell_versions
 from pawnb.workflow.tracking.kept_candidates import new_session
 from pawnb.workflow.tracking.track import retrack, track
@@ -318,7 +319,8 @@ def _make_tracks(task: _Task) -> None:
             )
     with open_views(trial) as views:
         rig = trial_rig(trial, views, method=step["method"])
-    if step.get("later"):
+    later = step.get("later", [])
+    if any(one["step"] == "edit" for one in later):
         edits = task.path.absolute().parent / _EDITS
         scale = trial.calibration.px_per_unit if trial.calibration is not None else None
 
@@ -326,7 +328,30 @@ def _make_tracks(task: _Task) -> None:
             return retrack(trial, present, frame, **options)
 
         tracks = replay(tracks, edits, rig=rig, px_per_unit=scale, retrack=tracker)
-    write_track_results(tracks, task.out, rig=rig)
+    write_track_results(_as_reviewed(tracks, later), task.out, rig=rig)
+
+
+def _as_reviewed(tracks: Tracks, later: list[dict[str, Any]]) -> Tracks:
+    """Return tracks with the record of their review: how often they were saved, and its minutes.
+
+    Corrections are made again in one go, and nobody's minutes are: where the same corrections are
+    in force in the end, and all else is recorded alike, the record is that of the review.
+    """
+    made = provenance_steps(tracks)
+    if any(_split(made[1:])[k] != _split(later)[k] for k in ("edit", "other")):
+        return tracks
+    tracks = tracks.assign_attrs(provenance="{}")
+    for step in [made[0], *later]:
+        tracks = add_provenance(tracks, **step)
+    return tracks
+
+
+def _split(steps: list[dict[str, Any]]) -> dict[str, list[dict[str, Any]]]:
+    """Return the corrections in force after steps, and the steps that are no part of a review."""
+    return {
+        "edit": [one for one in steps if one["step"] == "edit"][-1:],
+        "other": [one for one in steps if one["step"] not in ("edit", "review")],
+    }
 
 
 def _find_trial(step: dict[str, Any], places: list[Path], path: Path) -> Trial:

@@ -22,9 +22,10 @@ from pawnb.core.edits.records import Move
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.gait.events.event_edits import EventEdits, ExcludeStride
-from pawnb.io.native import write_tracks
+from pawnb.io.native import read_tracks, write_tracks
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.trial import Animal, Calibration, Trial
+from pawnb.widgets import PoseReviewer
 from pawnb.workflow import save_figures
 from pawnb.workflow.evaluation.compare import draw_comparison
 from pawnb.workflow.gait.run import run_gait
@@ -34,7 +35,11 @@ from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.recipes import read_recipe
 from pawnb.workflow.provenance.record import file_checksum
 from pawnb.workflow.provenance.reproduce import made_files, reproduce_all
-from pawnb.workflow.provenance.results import describe_trial, write_track_results
+from pawnb.workflow.provenance.results import (
+    describe_trial,
+    provenance_steps,
+    write_track_results,
+)
 from pawnb.workflow.tracking.trial_views import trial_rig
 
 FPS = 200.0
@@ -341,6 +346,27 @@ def test_corrections_of_tracks_are_made_again(small_trial):
     (out / "edits.jsonl").unlink()
     with pytest.raises(InputError, match=r"edits\.jsonl: no such file"):
         pawnb.reproduce(files[0])
+
+
+@pytest.mark.slow
+def test_tracks_saved_in_a_review_are_made_again(small_spider):
+    """How often a review saved and how long it took cannot be: it was told as a difference."""
+    out = small_spider / "results"
+    pawnb.track(small_spider, out=out, settings={"choose_path": False})
+    for frame in (13, 17):
+        reviewer = PoseReviewer(small_spider, read_tracks(out / "tracks.nc"), frame=frame)
+        u, v = reviewer.session.pose_at(frame).places("L2")[-1] + (9.0, -6.0)
+        reviewer.edit("moved", {"frame": frame, "point": "L2", "u": u, "v": v, "whole": True})
+        reviewer.edit("action", {"frame": frame, "action": "save"})
+        reviewer.close()
+    steps = [step["step"] for step in provenance_steps(read_tracks(out / "tracks.nc"))]
+    assert steps.count("review") >= 1
+    files = [out / name for name in ("tracks.nc", "tracks.csv", "pose.csv", "quality.json")]
+    assert [one.text() for one in reproduce_all(files)] == [f"{f}: identical" for f in files]
+    # other corrections than those that were saved are a difference
+    lines = (out / "edits.jsonl").read_text().splitlines(keepends=True)
+    (out / "edits.jsonl").write_text("".join(lines[:1]))
+    assert not pawnb.reproduce(files[0]).identical
 
 
 @pytest.mark.slow
