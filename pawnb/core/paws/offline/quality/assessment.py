@@ -357,7 +357,8 @@ def _told(points: Sequence[PointQuality]) -> tuple[str, ...]:
         for p in poor[: QUALITY.most_reasons]
     ]
     if len(poor) > QUALITY.most_reasons:
-        said.append(f"and {len(poor) - QUALITY.most_reasons} more points")
+        more = len(poor) - QUALITY.most_reasons
+        said.append(f"and {more} more point{'s' * (more != 1)}")
     return tuple(said)
 
 
