@@ -130,7 +130,7 @@ def _check_joints(
 ) -> None:
     """Doubt an unlikely size, joints beyond their range, and legs off the picture."""
     frame = pose.frames[0]
-    report.doubts += tell_size(trial, animal, pose)
+    report.doubts += tell_size(animal, pose, trial=trial)
     beyond = joints_beyond_range(animal, pose.angles_deg[0])
     if beyond:
         worst = sorted(beyond, key=lambda name: -beyond[name])[:_SEVERAL]
@@ -160,7 +160,7 @@ def _check_on_animal(
         )
         return
     report.doubts += start_doubts(outline, frame)
-    report.doubts += tell_backwards(animal, pose, reader, background)
+    report.doubts += tell_backwards(animal, pose, reader=reader, background=background)
     ends = [part.centre[0] + side * part.length / 2 for part in animal.body for side in (-1, 1)]
     along = np.linspace(min(ends), max(ends), 21)[1:-1] * float(pose.scale[0])
     turn = np.radians(float(pose.heading_deg[0]))

@@ -118,17 +118,17 @@ def tell_other_film(path: str | Path, *, view: str, film: str) -> list[str]:
     return tell_other_films({view: film}, {view: posed}, start="poses") if posed else []
 
 
-def tell_size(trial: Trial, animal: StickAnimal, pose: Poses) -> list[str]:
+def tell_size(animal: StickAnimal, pose: Poses, *, trial: Trial) -> list[str]:
     """Say where the animal is far larger or smaller than its species file has it.
 
     Parameters
     ----------
-    trial : Trial
-        The trial, whose calibration is compared.
     animal : StickAnimal
-        Its animal.
+        The animal.
     pose : Poses
         One frame.
+    trial : Trial
+        The trial, whose calibration is compared.
 
     Returns
     -------
@@ -152,7 +152,7 @@ def tell_size(trial: Trial, animal: StickAnimal, pose: Poses) -> list[str]:
 
 
 def tell_backwards(
-    animal: StickAnimal, pose: Poses, reader: ViewReader, background: Background
+    animal: StickAnimal, pose: Poses, *, reader: ViewReader, background: Background
 ) -> list[str]:
     """Say where the animal goes to the rear of its start pose.
 

@@ -276,10 +276,10 @@ def _tell_doubts(
     for i, frame in enumerate(poses.frames.tolist()):
         pose = poses.take([i])
         outline = find_silhouette(reader.frame(frame).image(), background)
-        doubts = [*doubts, *tell_size(trial, animal, pose)]
+        doubts = [*doubts, *tell_size(animal, pose, trial=trial)]
         if outline is not None:
             doubts += start_doubts(outline, frame)
-            doubts += tell_backwards(animal, pose, reader, background)
+            doubts += tell_backwards(animal, pose, reader=reader, background=background)
         outside = legs_outside(animal, pose, size=(reader.width, reader.height))
         if outside and not (outline is not None and outline.at_edge):  # that is said already
             doubts.append(say_outside(outside, frame))
