@@ -168,6 +168,12 @@ def test_name_defaults_to_the_folder(tmp_path):
             "px_per_unit = 4.8",
             "[calibration]: has both dlt and px_per_unit; keep the one that is meant.",
         ),
+        (
+            'dlt = "DLTcoefs.csv"',
+            'dlt = "calibration.toml"',
+            "[calibration]: dlt names calibration.toml; expected a csv of 11 rows. A calibration "
+            'of another program is named by anipose = "calibration.toml" instead of dlt and lens.',
+        ),
     ],
 )
 def test_what_is_wrong_is_said_in_one_sentence(tmp_path, old, new, message):

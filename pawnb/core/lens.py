@@ -75,10 +75,16 @@ def load_lenses(path: str | Path) -> dict[str, Lens]:
     Raises
     ------
     InputError
-        If the file is missing, is not TOML, or a section is not a lens.
+        If the file is missing, is not TOML, holds cameras of another program, or a section is
+        not a lens.
     """
     path = Path(path)
     document = read_toml(path, expected="the lenses.toml that [calibration] lens names")
+    if any(isinstance(section, dict) and "rotation" in section for section in document.values()):
+        raise InputError(
+            f"{path.name}: holds whole cameras, as Anipose writes them; expected lenses alone. In "
+            f'a trial such a file is named by anipose = "{path.name}" instead of dlt and lens.'
+        )
     return {name: _lens(section, f"{path.name}: [{name}]") for name, section in document.items()}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any, Literal
 
 from pawnb.errors import InputError, did_you_mean
@@ -14,6 +14,9 @@ from pawnb.trial.detections import check_detections
 from pawnb.trial.kinds import TRAITS, Kind
 
 Bayer = Literal["rggb", "bggr", "grbg", "gbrg"]
+
+_KEY_OF_CAMERAS = {".toml": "anipose", ".yaml": "opencv", ".yml": "opencv"}
+"""The key of [calibration] that names a file of cameras with that ending."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,6 +131,12 @@ class Calibration:
             raise InputError(f"has both {named[0]} and {named[1]}; keep the one that is meant.")
         if self.cameras is not None and self.lens is not None:
             raise InputError(f"has lens, and {named[0]} says the lenses too; leave lens out.")
+        program = _KEY_OF_CAMERAS.get(PurePath(self.dlt or "").suffix.lower())
+        if program is not None:
+            raise InputError(
+                f"dlt names {self.dlt}; expected a csv of 11 rows. A calibration of another "
+                f'program is named by {program} = "{self.dlt}" instead of dlt and lens.'
+            )
         object.__setattr__(self, "forward", _unit_vector(self.forward, "forward"))
         object.__setattr__(self, "up", _unit_vector(self.up, "up"))
 

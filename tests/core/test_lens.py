@@ -97,6 +97,12 @@ GOOD = "matrix = [[9, 0, 1], [0, 9, 1], [0, 0, 1]]"
             "distortion, size.",
         ),
         ("cam1 = 3", "[cam1]: expected a section with matrix and distortion."),
+        (
+            f"[cam_0]\nname = 'side'\n{GOOD}\ndistortions = [0, 0, 0, 0, 0]\n"
+            "rotation = [0, 0, 0]\ntranslation = [0, 0, 0]",
+            "holds whole cameras, as Anipose writes them; expected lenses alone. In a trial such a "
+            'file is named by anipose = "lenses.toml" instead of dlt and lens.',
+        ),
     ],
 )
 def test_wrong_lens_files_are_refused(tmp_path, text, message):
