@@ -337,8 +337,10 @@ class StickSession(Draft[StickState]):
         self._make(StickState(pose, where, others=_without(self._state.others, where)))
 
     def _write(self) -> None:
-        films = {"film": self.film, "earlier_films": self._earlier_films}
-        write_start(self.path, self.animal(), self.poses(), species=self.species, **films)
+        write_start(
+            self.path, self.animal(), self.poses(), species=self.species, film=self.film,
+            earlier_films=self._earlier_films,
+        )  # fmt: skip
 
     def _keep(self, state: StickState) -> bool:
         """Say yes to poses that a person made: the file keeps these."""
