@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from pawnb.core.rig import Rig
-from pawnb.workflow.checking.check_points import MAX_CLICK_RESIDUAL_PX
+from pawnb.workflow.start.exchanged_clicks import MAX_CLICK_RESIDUAL_PX
 
 FAR_PX = MAX_CLICK_RESIDUAL_PX
 """Clicks further from where the other views put their point contradict them: as in

@@ -17,15 +17,17 @@ from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, clicked_films, read_start
 from pawnb.trial import Calibration, Trial
 from pawnb.workflow.checking.check_report import CheckReport
-from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks, tell_one_place
+from pawnb.workflow.start.exchanged_clicks import (
+    solve_clicks,
+    tell_disagreeing_clicks,
+    tell_exchanged_clicks,
+    tell_one_place,
+)
 from pawnb.workflow.start.turned_axes import tell_turned_axes
 from pawnb.workflow.tracking.methods import tracker_settings
 from pawnb.workflow.tracking.point_tracker import point_trackers
 from pawnb.workflow.tracking.predicted import doubt_predictions, predictions_for
 from pawnb.workflow.tracking.trial_views import frame_range, paw_task, trial_rig
-
-MAX_CLICK_RESIDUAL_PX = 10.0
-"""Clicks of one point in several views may disagree by so much."""
 
 LEAST_APART_MM, MOST_APART_MM = 0.1, 1e4
 """Points on one animal lie so far apart (by hand: a mite, a whale)."""
@@ -92,21 +94,11 @@ def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> Non
 
 def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: CheckReport) -> None:
     """Doubt clicks that disagree between views, and a rig that shows their points mirrored."""
-    places: dict[tuple[int, str], np.ndarray] = {}
-    for (frame, point), group in clicks.groupby(["frame", "point"], sort=True):
-        uv = np.full((len(rig.names), 2), np.nan)
-        for row in group.itertuples():
-            uv[rig.names.index(str(row.view))] = row.u, row.v
-        solved = rig.triangulate(uv)
-        places[int(str(frame)), str(point)] = solved.xyz
-        residual = float(solved.residual_px)
-        if residual > MAX_CLICK_RESIDUAL_PX:
-            report.doubts.append(
-                f"start clicks of {point} in frame {frame} disagree between the views by "
-                f"{residual:.0f} px: one of them is on another point, or the calibration is off"
-            )
+    solved = solve_clicks(rig, clicks)
+    report.doubts += tell_disagreeing_clicks(solved)
     report.doubts += tell_exchanged_clicks(rig, clicks)
-    xyz = np.array([place for place in places.values() if np.isfinite(place).all()]).reshape(-1, 3)
+    places = [place.xyz for place in solved.values()]
+    xyz = np.array([place for place in places if np.isfinite(place).all()]).reshape(-1, 3)
     if len(xyz) > 1:
         # a view that is turned over by mirror = true shows either, by what was calibrated
         turned = [trial.view(name).mirror for name in rig.names]

@@ -1,4 +1,4 @@
-"""Clicks of two points, or of two views, that seem to be exchanged, or to be of one point."""
+"""Clicks that seem to be exchanged between points or views, to be of one point, or disagree."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.core.dlt import Triangulation
 from pawnb.core.rig import Rig
+
+MAX_CLICK_RESIDUAL_PX = 10.0
+"""Clicks of one point in several views may disagree by so much."""
 
 _AGREE_BETTER, _LIE_NEARER = 0.7, 0.7
 """Exchanged, clicks of two points agree better and all points lie nearer to each other: shares of
@@ -113,6 +116,54 @@ def tell_one_place(clicks: pd.DataFrame) -> list[str]:
                     "the other; where it is hidden behind it, leave its click out there"
                 )
     return said
+
+
+def solve_clicks(rig: Rig, clicks: pd.DataFrame) -> dict[tuple[int, str], Triangulation]:
+    """Return where clicked points are in space.
+
+    Parameters
+    ----------
+    rig : Rig
+        The calibrated views.
+    clicks : pandas.DataFrame
+        The start clicks: frame, view, point, u, v.
+
+    Returns
+    -------
+    dict of (int, str) to Triangulation
+        Frame and point to its place; NaN where fewer than two views have it.
+    """
+    solved = {}
+    for (frame, point), group in clicks.groupby(["frame", "point"], sort=True):
+        rows = group[["view", "u", "v"]].itertuples(index=False, name=None)
+        own = {(str(view), str(point)): (float(u), float(v)) for view, u, v in rows}
+        solved[int(str(frame)), str(point)] = rig.triangulate(_of_point(rig, own, str(point)))
+    return solved
+
+
+def tell_disagreeing_clicks(solved: Mapping[tuple[int, str], Triangulation]) -> list[str]:
+    """Say which points are clicked in places that no one place in space is projected to.
+
+    Parameters
+    ----------
+    solved : mapping of (int, str) to Triangulation
+        Of :func:`solve_clicks`.
+
+    Returns
+    -------
+    list of str
+        A sentence for each frame with such points.
+    """
+    far: dict[int, dict[str, float]] = {}
+    for (frame, point), place in solved.items():
+        if (off := float(place.residual_px)) > MAX_CLICK_RESIDUAL_PX:
+            far.setdefault(frame, {})[point] = off
+    return [
+        f"start clicks of {', '.join(own)} in frame {frame} disagree between the views by "
+        f"{'up to ' if len(own) > 1 else ''}{max(own.values()):.0f} px: one of them is on another "
+        "point, or the calibration is off"
+        for frame, own in far.items()
+    ]
 
 
 def _of_point(rig: Rig, clicks: Clicks, point: str) -> FloatArray:

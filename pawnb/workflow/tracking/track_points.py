@@ -33,7 +33,12 @@ from pawnb.workflow.provenance.results import (
     write_track_results,
 )
 from pawnb.workflow.reviewing.quality import tell_failed
-from pawnb.workflow.start.exchanged_clicks import tell_exchanged_clicks, tell_one_place
+from pawnb.workflow.start.exchanged_clicks import (
+    solve_clicks,
+    tell_disagreeing_clicks,
+    tell_exchanged_clicks,
+    tell_one_place,
+)
 from pawnb.workflow.start.turned_axes import tell_turned_axes
 from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
 from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
@@ -132,6 +137,7 @@ def _doubt_clicks(rig: Rig | None, clicks: pd.DataFrame) -> list[str]:
     doubts = tell_one_place(clicks)
     if rig is None:
         return doubts
+    doubts += tell_disagreeing_clicks(solve_clicks(rig, clicks))
     return [*doubts, *tell_exchanged_clicks(rig, clicks), *tell_turned_axes(rig, clicks)]
 
 

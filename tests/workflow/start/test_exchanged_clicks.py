@@ -6,6 +6,8 @@ import pytest
 
 from pawnb.core.rig import Rig
 from pawnb.workflow.start.exchanged_clicks import (
+    solve_clicks,
+    tell_disagreeing_clicks,
     tell_exchanged,
     tell_exchanged_clicks,
     tell_one_place,
@@ -126,6 +128,19 @@ def test_one_wrong_click_is_no_exchange_of_views(rig):
     clicks = clicked(all_views=False)
     u, v = clicks["cam1", "FR"]
     assert tell_exchanged(rig, {**clicks, ("cam1", "FR"): (u, v + 40.0)}) == []
+
+
+def test_points_whose_clicks_disagree_are_named_once_a_frame(rig):
+    clicks = clicked(all_views=True)
+    far = {
+        key: (uv[0], uv[1] + (40.0 if key in {("cam1", "FR"), ("cam1", "HL")} else 0.0))
+        for key, uv in clicks.items()
+    }
+    rows = [(t, *key, *uv) for t, own in ((3, clicks), (7, far)) for key, uv in own.items()]
+    table = pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
+    (said,) = tell_disagreeing_clicks(solve_clicks(rig, table))
+    assert "start clicks of FR, HL in frame 7 disagree between the views by up to " in said
+    assert tell_disagreeing_clicks(solve_clicks(rig, table[table["frame"] == 3])) == []
 
 
 def test_the_frame_of_the_clicks_is_said(rig):

@@ -80,6 +80,17 @@ def test_films_exchanged_since_they_were_clicked_or_tracked_are_said(small_trial
 
 
 @pytest.mark.slow
+def test_clicks_that_disagree_between_views_are_said_in_tracking(small_trial):
+    clicks = pd.read_csv(small_trial / "start.csv")
+    off = (clicks["view"] == "cam1") & (clicks["point"] == "FR")
+    clicks.loc[off, "v"] -= 30.0
+    clicks.to_csv(small_trial / "start.csv", index=False)
+    with pytest.warns(InputWarning) as told:
+        track(small_trial, method="paper", frames=FRAMES)
+    assert any(str(one.message).startswith("start clicks of FR in frame 0 disag") for one in told)
+
+
+@pytest.mark.slow
 def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
     """A front paw is 8 px long here; hidden paws are bridged, so nothing is missing."""
     tracks = track(rendered_trial)

@@ -11,6 +11,7 @@ from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.association.in_space import (
     beyond_body,
+    misses_clicks,
     shared_places,
     surest_two,
 )
@@ -84,7 +85,14 @@ def write_tracks(
         shown = dlt.project(layout.rig.coefs, x)
         others = (chance >= RUN.seen).sum(axis=2, keepdims=True) >= 2
         fill = (chance < RUN.seen) & (told >= RUN.shown) & others & np.isfinite(shown[..., 0])
-        told = np.where(by_hand, 1.0, np.where(fill, told, told * _views_agree(uv, shown)))
+        # where the others miss what was clicked in a view, they tell nothing of the point in it
+        alone = misses_clicks(
+            uv, by_hand, chance, layout.rig.coefs, sure=RUN.seen,
+            gates=LIMITS.right * _usual_spans(uv),
+        )  # fmt: skip
+        fill &= ~alone
+        told = np.where(alone, chance, told * np.where(fill, 1.0, _views_agree(uv, shown)))
+        told = np.where(by_hand, 1.0, told)
         uv = np.where(fill[..., None], shown, uv)
     image_origin = np.where(told >= RUN.measured, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
     image_origin = np.where(fill, ORIGIN_CODE["reprojected"], image_origin)
@@ -145,9 +153,13 @@ def _views_agree(uv: np.ndarray, shown: np.ndarray) -> np.ndarray:
     As for methods that give no probability (:mod:`.quality.measures`).
     """
     far, least = QUALITY.disagree_fall
-    off = np.linalg.norm(uv - shown, axis=-1)
-    off /= np.array([usual_span(own) for own in np.moveaxis(uv, 2, 0)])
+    off = np.linalg.norm(uv - shown, axis=-1) / _usual_spans(uv)
     return falling(off, (LIMITS.right, far * LIMITS.right, least))
+
+
+def _usual_spans(uv: FloatArray) -> FloatArray:
+    """Return the usual largest distance of points in each view (V,), px."""
+    return np.array([usual_span(own) for own in np.moveaxis(uv, 2, 0)])
 
 
 def _as_tracks(

@@ -134,6 +134,24 @@ def test_a_view_that_has_the_point_elsewhere_is_doubted_or_shows_where_the_other
     np.testing.assert_allclose(sure[1, :, 1:], 0.9)
 
 
+def test_a_view_whose_click_the_others_miss_does_not_show_where_they_put_the_point(layout):
+    # three views that agree are sure of a place 20 px from what a person clicked in the third
+    points = ("FL", "FR", "HL", "HR")
+    uv = np.array([[[shown(x, P) for x in here] for here in PAWS] for P in CAMERAS.values()])
+    uv[2, :, 0] += (20, 0)
+    chance = np.full(uv.shape[:3], 0.9)
+    chance[2, 1:, 0] = 0.3
+    tracks = [ViewTrack(*view, np.ones(view[1].shape)) for view in zip(uv, chance, strict=True)]
+    clicks = [Placement(v, p, uv[v, 0, p]) for v in range(3) for p in range(4)]
+    task = TrackingRequest(frames=(0, 3), fps=100.0, rig=RIG)
+    own = write_tracks(tracks, layout(RIG, points), task, placed={0: clicks}).isel(individual=0)
+    np.testing.assert_array_equal(own["image_position"][1:, 2, :, 0], uv[2, 1:, 0])
+    np.testing.assert_allclose(own["image_confidence"][1:, 2, 0], 0.3)
+    assert (own["image_origin"][1:, 2, 0] == ORIGIN_CODE["predicted"]).all()
+    # all else is as it is without
+    np.testing.assert_allclose(own["image_confidence"][1:, :, 1:], 0.9)
+
+
 def test_what_is_hardly_likely_is_missing_and_what_was_placed_is_not(layout):
     placed = {2: [Placement(0, 0, TRUTH[2, 0] + 1)]}
     chance = np.array([[0.9] * 3, [0.3, 0.3, 0.01], [0.01] * 3])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray
+from pawnb.core import dlt
 from pawnb.core.paws.offline.quality.measures import largest_distance
 
 _MOST_CHANCE = 1 - 1e-6
@@ -91,3 +92,60 @@ def beyond_body(x: FloatArray, chance: FloatArray, *, sure: float, gate: float) 
         middle = np.nanmedian(others[some], axis=1)
         beyond[some, p] = np.linalg.norm(x[some, p] - middle, axis=-1) > reach
     return beyond
+
+
+def misses_clicks(
+    uv: FloatArray,
+    clicked: BoolArray,
+    chance: FloatArray,
+    coefs: FloatArray,
+    *,
+    sure: float,
+    gates: FloatArray,
+) -> BoolArray:
+    """Tell in which views the others put a point elsewhere than where it was clicked.
+
+    Where cameras moved since they were calibrated, or clicks in two views are of two places on
+    the skin, a place in space is projected off the point, however sure the other views are of it.
+    A view in which a point was not clicked goes by the median of those in which it was.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, P, V, 2)
+        Positions in the views, px; clicks where there are any.
+    clicked : ndarray of bool, shape (n, P, V)
+        Where a person placed a point.
+    chance : ndarray, shape (n, P, V)
+        Probability that each is right, 1 where it was clicked.
+    coefs : ndarray, shape (11, V)
+        DLT coefficients.
+    sure : float
+        Other views say where a point is from this probability on, if they are two or more.
+    gates : ndarray, shape (V,)
+        Distance from a click, px, up to which they hit it: by the median over clicked frames.
+
+    Returns
+    -------
+    ndarray of bool, shape (P, V)
+        False where that is not known.
+    """
+    off = np.full(clicked.shape, np.nan)
+    for v in range(clicked.shape[2]):
+        rows = np.flatnonzero(clicked[..., v].any(axis=1))
+        used = chance[rows] >= sure
+        used[..., v] = False
+        places = np.where(used[..., None], uv[rows], np.nan)
+        found = dlt.triangulate(coefs, places, refine=True).xyz
+        shown = dlt.project(coefs, found)[..., v, :]
+        away = np.linalg.norm(shown - uv[rows][..., v, :], axis=-1) / gates[v]
+        off[rows, :, v] = np.where(clicked[rows, :, v], away, np.nan)
+    own = _median_of_known(off, axis=0)
+    every = _median_of_known(own, axis=1)
+    return np.where(np.isnan(own), every[:, None], own) > 1.0
+
+
+def _median_of_known(values: FloatArray, *, axis: int) -> FloatArray:
+    """Return the median along an axis, NaN where nothing is known."""
+    unknown = np.isnan(values).all(axis=axis)
+    median = np.nanmedian(np.where(np.expand_dims(unknown, axis), 0.0, values), axis=axis)
+    return np.where(unknown, np.nan, median)
