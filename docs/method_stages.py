@@ -197,8 +197,8 @@ LEARNT = Diagram(
     "Tracks",
     (
         Loop("Estimates", "Appearance", "once more",
-             Stage("Learning again", "self_training.learning", "Frames in which all agree."),
-             "association.estimates.Estimates", "detection.appearance.Lesson"),
+             Stage("Learning again", "self_training.pseudo_labels", "Frames in which all agree."),
+             "association.estimates.Estimates", "detection.appearance.TrainingFrame"),
     ),
 )  # fmt: skip
 

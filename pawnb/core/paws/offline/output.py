@@ -87,7 +87,7 @@ def write_tracks(
         fill = (chance < RUN.seen) & (told >= RUN.shown) & others & np.isfinite(shown[..., 0])
         # where the others miss what was clicked in a view, they tell nothing of the point in it
         alone = misses_clicks(
-            uv, by_hand, chance, layout.rig.coefs, sure=RUN.seen,
+            uv, clicked=by_hand, chance=chance, coefs=layout.rig.coefs, sure=RUN.seen,
             gates=LIMITS.right * _usual_spans(uv),
         )  # fmt: skip
         fill &= ~alone

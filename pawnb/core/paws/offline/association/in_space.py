@@ -96,10 +96,10 @@ def beyond_body(x: FloatArray, chance: FloatArray, *, sure: float, gate: float) 
 
 def misses_clicks(
     uv: FloatArray,
+    *,
     clicked: BoolArray,
     chance: FloatArray,
     coefs: FloatArray,
-    *,
     sure: float,
     gates: FloatArray,
 ) -> BoolArray:
@@ -129,6 +129,8 @@ def misses_clicks(
     ndarray of bool, shape (P, V)
         False where that is not known.
     """
+    if not clicked.any():  # a run that was stopped has no frames at all
+        return np.zeros(clicked.shape[1:], bool)
     off = np.full(clicked.shape, np.nan)
     for v in range(clicked.shape[2]):
         rows = np.flatnonzero(clicked[..., v].any(axis=1))

@@ -71,7 +71,12 @@ def clicks_of(xyz):
 def missed(uv, gates=(10.0,) * 4):
     clicked = np.isfinite(uv[..., 0])
     return misses_clicks(
-        uv, clicked, clicked.astype(float), AFFINE, sure=0.5, gates=np.array(gates)
+        uv,
+        clicked=clicked,
+        chance=clicked.astype(float),
+        coefs=AFFINE,
+        sure=0.5,
+        gates=np.array(gates),
     )
 
 
