@@ -56,7 +56,12 @@ def without_frozen(tracks: Tracks, freezes: Freezes, *, needs_all: bool = False)
             data=np.where(in_space, predicted, tracks["origin"]).astype(tracks["origin"].dtype)
         ),
         confidence=tracks["confidence"].copy(data=np.where(in_space, 0.0, tracks["confidence"])),
-    ).assign_attrs({_STANDS_STILL: json.dumps({view: list(own) for view, own in freezes.items()})})
+    ).assign_attrs({_STANDS_STILL: _as_text(freezes)})
+
+
+def _as_text(freezes: Freezes) -> str:
+    """Return where films stood still as JSON; NumPy's whole numbers are none of JSON's."""
+    return json.dumps({view: [[int(a), int(b)] for a, b in own] for view, own in freezes.items()})
 
 
 def freezes_of_tracks(tracks: Tracks) -> dict[str, list[tuple[int, int]]]:
