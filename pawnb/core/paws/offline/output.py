@@ -88,7 +88,7 @@ def write_tracks(
         # where the others miss what was clicked in a view, they tell nothing of the point in it
         alone = misses_clicks(
             uv, clicked=by_hand, chance=chance, coefs=layout.rig.coefs, sure=RUN.seen,
-            gates=LIMITS.right * _usual_spans(uv),
+            gates=np.fmax(LIMITS.right * _usual_spans(uv), RUN.clicks_apart_px),
         )  # fmt: skip
         fill &= ~alone
         told = np.where(alone, chance, told * np.where(fill, 1.0, _views_agree(uv, shown)))

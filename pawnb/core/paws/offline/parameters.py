@@ -334,6 +334,8 @@ class RunParameters:
         the others have it. Measured: with 0.5, 0.65 and never 32, 35 and 36 % of marks of the fly
         are right from one clicked frame, and as many from more; a paw that one camera cannot see
         needs it.
+    clicks_apart_px : float
+        Other views hit a click up to there, at least. Measured: they do with clicks 2 px (SD) off.
     lost : float
         Probability below which a point is missing. Measured: of the real clips without the wheel 0
         of 1004 right marks have less, and 2 of 225 wrong ones; with 0.03 0 and 9, and up to 4 % of
@@ -364,6 +366,7 @@ class RunParameters:
     seen: float = 0.5
     measured: float = 0.65
     shown: float = 0.65
+    clicks_apart_px: float = 10.0
     lost: float = 0.02
     least_sd_px: float = 0.3
     window_rows: int = 1000
