@@ -95,7 +95,9 @@ def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
     total = np.sum([np.minimum(doubt.score, _MOST_DOUBT) for doubt in doubts], axis=0)
     settled = np.isin(track.origin, (ORIGIN_CODE["edited"], ORIGIN_CODE["missing"]))
     frames, view = track.poses.frames, str(tracks["view"].to_numpy()[0])
-    frozen = np.any([(frames >= a) & (frames < b) for a, b in freezes], axis=0) if freezes else []
+    frozen = np.zeros(len(frames), bool)
+    for begin, stop in freezes:
+        frozen |= (frames >= begin) & (frames < stop)
     total[settled] = 0.0
     total[frozen] = 0.0
     rows = _freeze_rows(animal, frames, settled, freezes, view=view)
