@@ -387,7 +387,8 @@ def body_frame_of_path(
     forward : array_like, shape (d,) or (n, d)
         Direction towards the front, the same or that of every sample.
     at_rest : bool
-        True: the origin is at rest in the laboratory. False: it is at ``path``.
+        True: the origin is at rest in the laboratory, at the mean of ``path``. False: it is at
+        ``path``.
     method : str
         How the frame was found.
 
@@ -398,8 +399,12 @@ def body_frame_of_path(
     """
     unit = np.asarray(forward, dtype=float)
     unit = unit / np.linalg.norm(unit, axis=-1, keepdims=True)
+    known = path[np.isfinite(path).all(axis=1)]
+    # not the zero of the laboratory: where feet are about the body can be compared then
+    # between recordings, whichever frame each is seen from
+    middle = known.mean(axis=0) if len(known) else np.zeros(path.shape[1])
     return BodyFrame(
-        origin=np.zeros_like(path) if at_rest else path,
+        origin=np.array(np.broadcast_to(middle, path.shape)) if at_rest else path,
         forward=np.array(np.broadcast_to(unit, path.shape)),
         path=path,
         method=method,

@@ -259,12 +259,25 @@ def _frame(given: _Given, scales: Scales, *, stride_hz: float) -> BodyFrame:
         path = follow_body(feet, chosen, given.others, frequency_hz=stride_hz, fs_hz=fs)
     else:
         path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
+    if chosen.source == "points":
+        path = path + _from_points_to_feet(path, feet)
     return body_frame_of_path(
         path,
         given.direction,
         at_rest=chosen.source == "laboratory",
         method=_BODY_METHODS[chosen.source],
     )
+
+
+def _from_points_to_feet(path: FloatArray, feet: FootPaths) -> FloatArray:
+    """Return the mean way from a path to the mean of the feet, so that their places are about 0.
+
+    Which points stand in for the body differs between recordings; where feet land must not.
+    """
+    ways = feet.positions - path[:, :, None]
+    seen = np.isfinite(ways).all(axis=1)
+    means = [ways[seen[:, k], :, k].mean(axis=0) for k in np.flatnonzero(seen.any(axis=0))]
+    return np.asarray(np.mean(means, axis=0)) if means else np.zeros(path.shape[1])
 
 
 def _runs_on_a_belt(

@@ -25,7 +25,8 @@ EXTRA_COLUMNS = (
 
 ``step_displacement``: how far the foot moved over ground or belt. ``method``: the events
 that bound stance and stride, AEP/PEP or TD/LO. ``aep_position``, ``pep_position``: in the
-body frame along forward. ``contact_s``, ``contact_duty_factor``: from touch-down to
+body frame along forward, from the mean of the named body points, or else from the mean place of the
+feet in the recording. ``contact_s``, ``contact_duty_factor``: from touch-down to
 lift-off where the stride is counted from AEP and contact is known.
 """
 

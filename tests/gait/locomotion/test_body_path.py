@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.signal import find_peaks
 
 from pawnb.gait import analyse
 from pawnb.gait.events.event_settings import EventSettings
@@ -87,6 +88,22 @@ def test_a_drifting_animal_keeps_its_strides(drift, points, belt_speed):
     assert method == f"fore-aft position ({'other points' if points else 'mean of the feet'})"
     if belt_speed is None:
         assert tables.strides["speed"].mean() == pytest.approx(250.0 * PX, rel=0.05)
+
+
+@pytest.mark.parametrize("points", [(), ("snout", "tailbase")])
+@pytest.mark.parametrize("drift", ["none", "to and fro"])
+def test_feet_land_at_the_same_places_about_the_body_whatever_they_are_seen_from(drift, points):
+    scene = SceneSettings(belt_speed_mm_s=250.0, fps=FS, seed=7, drift_mm=5.0)
+    gait = plan_gait(scene, FRAMES / FS)
+    ahead = PX * paw_positions(gait, scene, gait.earliest_s + T)[:, :, 0]
+    ahead -= ahead.mean()
+    stride = int(FS / 4.6)
+    strides = analyse(recording(drift, points=points), legs=LEGS).strides.groupby("leg")
+    for k, leg in enumerate(LEGS):
+        for column, sign in (("aep_position", 1), ("pep_position", -1)):
+            peaks, _ = find_peaks(sign * ahead[:, k], distance=stride // 2)
+            truth = np.median(ahead[peaks, k])
+            assert strides[column].median()[leg] == pytest.approx(truth, abs=5 * PX)
 
 
 def test_without_drift_the_feet_are_seen_from_the_laboratory():
