@@ -275,8 +275,8 @@ def _from_points_to_feet(path: FloatArray, feet: FootPaths) -> FloatArray:
     Which points stand in for the body differs between recordings; where feet land must not.
     """
     ways = feet.positions - path[:, :, None]
-    seen = np.isfinite(ways).all(axis=1)
-    means = [ways[seen[:, k], :, k].mean(axis=0) for k in np.flatnonzero(seen.any(axis=0))]
+    each = [way[np.isfinite(way).all(axis=1)] for way in np.moveaxis(ways, 2, 0)]
+    means = [way.mean(axis=0) for way in each if len(way)]
     return np.asarray(np.mean(means, axis=0)) if means else np.zeros(path.shape[1])
 
 
