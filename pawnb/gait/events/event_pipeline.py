@@ -27,6 +27,7 @@ from pawnb.gait.locomotion.displacement import displacement_along, measure_motio
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
 from pawnb.gait.locomotion.jitter import say_jitter
+from pawnb.gait.locomotion.sides import place_across
 from pawnb.gait.locomotion.substrate import find_belt_speed, speed_over_substrate
 from pawnb.gait.locomotion.time_scales import Scales, least_excursions, say_held_still
 from pawnb.gait.strides.stride_table import Motion
@@ -132,13 +133,13 @@ def analyse_space(
         feet, frame, displacement=displacement, fore_aft=position, belt=belt_here, grid=grid
     )
     height = _height(feet, up, smooth) if settings.use_height else None
-    across = _across(found_body, feet, up, smooth)
+    across, sides = _across(found_body, feet, up, smooth)
     found = {
         LEG_ANGLE: None if feet.angle_deg is None else turning,
         POSITION: position, HEIGHT: height, LATERAL: across,
     }  # fmt: skip
     result = SpaceResult(
-        events=[], dropped=[], gaps=[], motion=motion, notes=found_body.notes + said,
+        events=[], dropped=[], gaps=[], motion=motion, notes=found_body.notes + said + sides,
         signals=_leg_signals(found, feet, grid, who),
     )  # fmt: skip
     is_guessed = treadmill and belt_here is not belt
@@ -176,11 +177,12 @@ def _across(
     feet: FootPaths,
     up: FloatArray | None,
     smooth: Callable[[FloatArray], FloatArray],
-) -> FloatArray | None:
-    """Return how far feet are to the side, where right and left are known."""
+) -> tuple[FloatArray | None, list[str]]:
+    """Return how far feet are to the right, where right and left are known, and what is said."""
     if up is None and not body.from_points:
-        return None
-    return smooth(body.frame.lateral(feet.positions, up=up))
+        return None, []
+    across, notes = place_across(feet, body.frame, up=up)
+    return smooth(across), notes
 
 
 def _leg_signals(
