@@ -8,10 +8,13 @@ and takes the signs (`offline/quality/signs.py`) of the labels that have a mark.
 regression, in which no sign may count against its meaning, gives the weights of
 `offline/quality/calibration.py`; each clip and number of clicked frames weighs the same. What
 left-out clicks say depends on the weights, which are learnt three times over. Every clip is then
-judged by weights learnt from all others: share right and expected, verdicts, how often a wrong
-label has a smaller chance than a right one (AUROC), and marks inside the 95 % intervals. Last come
-the weights that all clips together give. --learn-from learns from some clips only, and --without
-leaves signs out.
+judged by weights learnt from all other recordings: share right and expected, verdicts, how often
+a wrong label has a smaller chance than a right one (AUROC), and marks inside the 95 % intervals.
+Clips of one film are one recording (``recording`` in meta.toml; else each clip is one). Then come
+the recordings, by these weights and by those in force: what is doubted where a tenth of the right
+marks of the others is, and how much more, with its 95 % interval by drawing recordings again. Last
+come the weights that all clips together give. --learn-from learns from some clips only, and
+--without leaves signs out.
 """
 
 from __future__ import annotations
@@ -38,6 +41,7 @@ from pawnb.core.paws.offline.parameters import RUN
 from pawnb.core.paws.offline.quality.calibration import of_all_views, standard_deviation
 from pawnb.core.paws.offline.quality.labels import QualityLimits
 from pawnb.core.paws.offline.quality.left_out import LeftOutClick, offsets
+from pawnb.core.paws.offline.quality.parameters import QUALITY
 from pawnb.core.paws.offline.quality.signs import SIGNS
 from pawnb.core.paws.offline.self_training import weighing
 
@@ -53,6 +57,11 @@ STRICTER = 0.4
 0.6 give 15, 16, 16, 15 and 15 right verdicts of 18, and doubt of 65, 67, 71, 75 and 76 % of wrong
 labels, 7, 7, 8, 8 and 10 % of right ones."""
 
+RIGHT_DOUBTED = 0.1
+"""Share of the right marks of other recordings that a threshold of doubt may take: the aim."""
+
+DRAWS = 2000
+"""Times that recordings are drawn again."""
 
 LEAST_CHANCE = 1e-4
 """What surely is right or wrong, and is not, counts as if it had so much probability."""
@@ -74,8 +83,9 @@ def main() -> None:
     home = real.clips_folder()
     there = sorted(path.parent.name for path in home.glob("*/marks.csv"))
     names = [name for name in options.clips or there if name in there]
-    if len(names) < 2:
-        sys.exit(f"two clips are needed in {home} (set PAWNB_TEST_DATA); there are {len(names)}.")
+    films = {real.Clip(home / name).recording for name in names}
+    if len(films) < 2:
+        sys.exit(f"two recordings are needed in {home} (set PAWNB_TEST_DATA); has {len(films)}.")
     with tempfile.TemporaryDirectory() as made:
         cache = options.cache or Path(made)
         cache.mkdir(parents=True, exist_ok=True)
@@ -118,7 +128,7 @@ def cell(clip: real.Clip, n: int, cache: Path) -> tuple[pd.DataFrame, pd.DataFra
         ).to_csv(left_out, index=False)  # fmt: skip
         signs.to_csv(kept, index=False)
         print(f"{clip.name}, {n}: tracked", file=sys.stderr)
-    named = {"clip": clip.name, "clicks": n}
+    named = {"recording": clip.recording, "clip": clip.name, "clicks": n}
     return pd.read_csv(kept).assign(**named), pd.read_csv(left_out).assign(**named)
 
 
@@ -208,34 +218,84 @@ def fit(cells: pd.DataFrame) -> tuple[np.ndarray, float]:
 def report(
     labels: pd.DataFrame, left_out: pd.DataFrame, *, learn_from: Sequence[str] | None = None
 ) -> None:
-    """Print how every clip is judged by weights learnt from the others, and the weights."""
-    chance = np.empty(len(labels))
+    """Print how every clip is judged by weights learnt from other recordings, and the weights."""
     clips = learn_from or labels["clip"].unique()
     taught, heard_of = (table["clip"].isin(clips).to_numpy() for table in (labels, left_out))
-    for clip in labels["clip"].unique():
-        own, known = ((table["clip"] == clip).to_numpy() for table in (labels, left_out))
+    ok, here = labels["ok"].to_numpy(bool), labels["recording"].to_numpy()
+    chance, limits = np.empty(len(labels)), np.empty(len(labels))
+    for recording in labels["recording"].unique():
+        own, known = here == recording, (left_out["recording"] == recording).to_numpy()
         weights, offset = learn(labels[taught & ~own], left_out[heard_of & ~known])
-        marks = heard(labels[own], left_out[known], weights, offset)
-        odds = marks[list(SIGNS)].to_numpy(float) @ weights + offset
-        chance[own] = np.minimum(expit(odds), marks["probability"])
+        said = chances(labels, left_out, weights, offset)
+        chance[own], limits[own] = said[own], np.quantile(said[ok & ~own], RIGHT_DOUBTED)
     labels = labels.assign(chance=chance)
     rows = [judge(clip, n, own) for (clip, n), own in labels.groupby(["clip", "clicks"])]
     print(markdown(pd.DataFrame(rows)))
-    right = sum(row["verdict"] == row["deserved"] for row in rows)
-    auroc = real.auroc(-chance, ~labels["ok"].to_numpy(bool))
-    print(f"\nverdicts right: {right} of {len(rows)}; AUROC of all marks together: {auroc:.3f}")
-    ok = labels["ok"].to_numpy(bool)
-    likelihood = np.log(np.clip(np.where(ok, chance, 1.0 - chance), LEAST_CHANCE, 1.0)).mean()
-    below = percent(chance[~ok] < np.quantile(chance[ok], 0.1))
-    print(
-        f"mean log-likelihood {likelihood:.3f}; below a tenth of the right marks: "
-        f"{below} % of wrong ones"
-    )
-    wrong, sound = percent(chance[~ok] < RUN.measured), percent(chance[ok] < RUN.measured)
-    print(f"doubted: {wrong} % of wrong marks, {sound} % of right ones")
+    print(f"\n{whole(rows, ok, chance)}")
+    in_force = chances(labels, left_out, np.array(QUALITY.weights), QUALITY.offset)
+    before = np.array([np.quantile(in_force[ok & (here != one)], RIGHT_DOUBTED) for one in here])
+    ways = {"": (chance, limits), "in force: ": (in_force, before)}
+    print(f"\n{markdown(by_recording(labels, ways))}")
+    print(f"\n{gained(labels, chance < limits, in_force < before)}")
     weights, offset = learn(labels[taught], left_out[heard_of])
     print("weights:", dict(zip(SIGNS, weights.round(2).tolist(), strict=True)))
     print(f"offset: {offset:.2f}, from {taught.sum()} marks")
+
+
+def chances(
+    labels: pd.DataFrame, left_out: pd.DataFrame, weights: np.ndarray, offset: float
+) -> np.ndarray:
+    """Return how likely labels are right by these weights."""
+    marks = heard(labels, left_out, weights, offset)
+    odds = marks[list(SIGNS)].to_numpy(float) @ weights + offset
+    return np.minimum(expit(odds), marks["probability"].to_numpy())
+
+
+def whole(rows: list[dict[str, str]], ok: np.ndarray, chance: np.ndarray) -> str:
+    """Return what is said of all marks together."""
+    right = sum(row["verdict"] == row["deserved"] for row in rows)
+    likelihood = np.log(np.clip(np.where(ok, chance, 1.0 - chance), LEAST_CHANCE, 1.0)).mean()
+    below = percent(chance[~ok] < np.quantile(chance[ok], 0.1))
+    wrong, sound = percent(chance[~ok] < RUN.measured), percent(chance[ok] < RUN.measured)
+    return (
+        f"verdicts right: {right} of {len(rows)}; "
+        f"AUROC of all marks together: {real.auroc(-chance, ~ok):.3f}\n"
+        f"mean log-likelihood {likelihood:.3f}; below a tenth of the right marks: "
+        f"{below} % of wrong ones\n"
+        f"doubted: {wrong} % of wrong marks, {sound} % of right ones"
+    )
+
+
+def by_recording(
+    labels: pd.DataFrame, ways: dict[str, tuple[np.ndarray, np.ndarray]]
+) -> pd.DataFrame:
+    """Return a row for each recording; ``ways`` has chances, and the limits of doubt."""
+    ok, rows = labels["ok"].to_numpy(bool), []
+    for recording, own in labels.groupby("recording").indices.items():
+        right = ok[own]
+        row = {"recording": str(recording), "wrong marks": f"{(~right).sum()} of {len(own)}"}
+        for way, (chance, limits) in ways.items():
+            doubted = chance[own] < limits[own]
+            row |= {
+                f"{way}AUROC": number(real.auroc(-chance[own], ~right), 2),
+                f"{way}unsure of wrong %": percent(doubted[~right]),
+                f"{way}of right %": percent(doubted[right]),
+            }
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def gained(labels: pd.DataFrame, doubted: np.ndarray, before: np.ndarray) -> str:
+    """Return how many more wrong marks are doubted, and how sure that is."""
+    wrong = labels.assign(more=doubted.astype(int) - before)[~labels["ok"].to_numpy(bool)]
+    sums = wrong.groupby("recording")["more"].agg(["sum", "size"]).to_numpy(float)
+    drawn = np.random.default_rng(0).integers(0, len(sums), (DRAWS, len(sums)))
+    gains = 100 * sums[drawn, 0].sum(axis=1) / sums[drawn, 1].sum(axis=1)
+    low, high = np.quantile(gains, [0.025, 0.975])
+    return (
+        f"wrong marks doubted more than by the weights in force: "
+        f"{100 * wrong['more'].mean():.1f} in a hundred ({low:.1f} to {high:.1f})"
+    )
 
 
 def judge(clip: str, n: int, own: pd.DataFrame) -> dict[str, str]:

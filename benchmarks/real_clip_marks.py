@@ -14,6 +14,7 @@ import tomllib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -48,7 +49,16 @@ class Clip:
     @cached_property
     def threshold_px(self) -> float:
         """How far from a mark a track still is right."""
-        return float(tomllib.loads((self.folder / "meta.toml").read_text())["threshold_px"])
+        return float(self._meta["threshold_px"])
+
+    @property
+    def recording(self) -> str:
+        """The film that it is of; clips of one film are not independent of each other."""
+        return str(self._meta.get("recording", self.name))
+
+    @cached_property
+    def _meta(self) -> dict[str, Any]:
+        return tomllib.loads((self.folder / "meta.toml").read_text())
 
     @cached_property
     def start(self) -> pd.DataFrame:

@@ -124,6 +124,7 @@ def write_clip(folder: Path, own: pd.DataFrame, recording: Recording) -> None:
     start = own[own["frame"] == middle]
     start.to_csv(folder / "start.csv", index=False)
     settings = {
+        "recording": Path(recording.film).stem,
         "threshold_px": recording.threshold_px,
         "mark_error_px": ERROR_PX,
         "marks": "SLEAP",
