@@ -237,6 +237,9 @@ def report(
     ways = {"": (chance, limits), "in force: ": (in_force, before)}
     print(f"\n{markdown(by_recording(labels, ways))}")
     print(f"\n{gained(labels, chance < limits, in_force < before)}")
+    runs = labels.groupby(["clip", "clicks"]).indices.values()
+    right = sum(verdict(in_force[own].mean()) == verdict(ok[own].mean()) for own in runs)
+    print(f"verdicts right by the weights in force: {right} of {len(runs)}")
     weights, offset = learn(labels[taught], left_out[heard_of])
     print("weights:", dict(zip(SIGNS, weights.round(2).tolist(), strict=True)))
     print(f"offset: {offset:.2f}, from {taught.sum()} marks")
