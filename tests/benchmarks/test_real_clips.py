@@ -42,6 +42,19 @@ def test_clicks_of_one_frame_are_those_of_the_clip(tmp_path):
     assert clip.clicks(3) is None  # three frames have visible marks: none would be left to judge
 
 
+@pytest.mark.parametrize(("meta", "recording"), [('recording = "film"\n', "film"), ("", "clip_a")])
+def test_a_clip_is_a_recording_of_its_own_unless_it_says_of_which_film_it_is(
+    tmp_path, meta, recording
+):
+    from real_clip_marks import Clip
+
+    folder = tmp_path / "clip_a"
+    folder.mkdir()
+    (folder / "meta.toml").write_text(meta + "threshold_px = 5.0\n")
+    assert Clip(folder).recording == recording
+    assert Clip(folder).threshold_px == 5.0
+
+
 def test_marks_that_count_and_what_was_taken_for_what():
     from real_clip_marks import compare
 
