@@ -76,6 +76,8 @@ def build_cycle_comparison_table(
 def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the mean curves with their bands; bars below are clusters with p of 0.05 or less.
 
+    Of three groups and more that p is adjusted for the number of comparisons.
+
     Parameters
     ----------
     table : pandas.DataFrame
@@ -116,7 +118,7 @@ def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
             own = curves[curves["leg"] == leg]
             drawn = [_draw_curve(panel, own[own["group"] == g], k) for k, g in enumerate(groups)]
             panel.set_xlim(0.0, 100.0)
-            found = clusters[(clusters["leg"] == leg) & (clusters["p"] <= _SHOWN_P)]
+            found = clusters[(clusters["leg"] == leg) & (clusters["p_adjusted"] <= _SHOWN_P)]
             counts = own.groupby("group", sort=False)["n_animals"].max()
             add_heading(panel, leg, _say_animals(counts, room) + _say_p(found))
         _draw_clusters(panels, legs, clusters, curves)
@@ -172,8 +174,10 @@ def _say_p(found: pd.DataFrame) -> str:
     """Return p of the clusters that are drawn, in words."""
     if found.empty:
         return ""
-    said = ", ".join("< 0.001" if p < 0.001 else f"{p:.3f}" for p in found["p"])
-    return f"\np {said}"
+    p = found["p_adjusted"]
+    name = "p" if (p == found["p"]).all() else "adj. p"  # of three groups and more
+    said = ", ".join("< 0.001" if one < 0.001 else f"{one:.3f}" for one in p)
+    return f"\n{name} {said}"
 
 
 def _draw_clusters(
@@ -186,7 +190,7 @@ def _draw_clusters(
     room = letters_in(_panel_mm(panels), size=_SMALL)
     step = 0.06 * (high - low) or 0.1
     for panel, leg in zip(panels, legs, strict=True):
-        own = clusters[(clusters["leg"] == leg) & (clusters["p"] <= _SHOWN_P)]
+        own = clusters[(clusters["leg"] == leg) & (clusters["p_adjusted"] <= _SHOWN_P)]
         for row in own.to_dict("records"):
             between = (row["group_a"], row["group_b"])
             y = low - (1.0 + pairs.index(between)) * step

@@ -15,6 +15,7 @@ from pawnb.figures.long_names import letters_in, wrap_name
 from pawnb.figures.panels import add_animal_legend, add_letter, draw_points, open_grid
 from pawnb.figures.style import figure_size, get_style, mark_animals, small_pt, style
 from pawnb.gait.groups import compare_groups, mean_by_animal
+from pawnb.gait.groups.shared_names import keep_shared
 from pawnb.schema import check_columns
 
 COLUMNS = (
@@ -54,7 +55,8 @@ def build_estimation_table(
         Group the others are drawn against; default the one that comes first. p is adjusted
         over all pairs of groups, also those that are not drawn.
     average_over : str, optional
-        Column, for instance leg, whose every name counts alike in an animal's mean.
+        Column, for instance leg, whose every name counts alike in an animal's mean; as in
+        compare_groups, of those that all animals have.
     level : float
         Level of the intervals.
 
@@ -83,6 +85,8 @@ def build_estimation_table(
     columns = ["animal", group, measure, *([] if average_over is None else [average_over])]
     check_columns(table, columns, where="estimation plot")
     known = table[columns].dropna()
+    if average_over is not None:
+        known, _ = keep_shared(known, average_over, group=group, paired=paired)
     names = list(dict.fromkeys(known[group].astype(str)))
     if not names:
         raise InputError(f"estimation plot: no value of {measure!r} with a {group}.")

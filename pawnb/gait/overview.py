@@ -10,6 +10,7 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.groups.comparison import mean_by_animal
+from pawnb.gait.groups.shared_names import keep_shared
 from pawnb.schema import check_columns
 
 _FEWEST_SHOWN = 3
@@ -58,6 +59,8 @@ class Components(NamedTuple):
 def measures_by_animal(strides: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
     """Make one row of each animal: the mean of its legs' means, so that every leg counts alike.
 
+    Legs that an animal lacks are left out in all, as legs differ from each other.
+
     Parameters
     ----------
     strides : pandas.DataFrame
@@ -78,8 +81,12 @@ def measures_by_animal(strides: pd.DataFrame, measures: Sequence[str]) -> pd.Dat
     check_columns(strides, ["animal", "leg", *measures], where="strides")
     if not len(strides):
         raise InputError("overview of measures: there is no stride.")
-    columns = {name: mean_by_animal(strides, name, average_over="leg") for name in measures}
-    return pd.DataFrame(columns).rename_axis("animal")
+    columns = {}
+    for name in measures:
+        known, _ = keep_shared(strides[["animal", "leg", name]].dropna(), "leg")
+        columns[name] = mean_by_animal(known, name, average_over="leg")
+    found = pd.DataFrame(columns, index=pd.Index(sorted(strides["animal"].unique())))
+    return found.rename_axis("animal")
 
 
 def standardise(table: pd.DataFrame) -> Standardised:

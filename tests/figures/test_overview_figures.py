@@ -65,6 +65,18 @@ def test_curves_have_a_bar_where_they_differ_also_over_the_end_of_the_stride():
     assert [text.get_text() for text in ax.figure.legends[0].get_texts()] == ["a", "b"]
 
 
+def test_bars_of_several_comparisons_are_those_of_the_adjusted_p():
+    table = figures.build_cycle_comparison_table(cycles())
+    for adjusted, said in ((0.024, "adj. p 0.024"), (0.09, "")):
+        table.loc[table["row"] == "cluster", "p_adjusted"] = adjusted
+        ax = figures.plot_cycle_comparison(table)
+        bars = [line for line in ax.lines if line.get_color() == "black"]
+        assert bool(bars) == bool(said)
+        words = "".join(text.get_text() for text in ax.texts)
+        assert said in words
+        assert ("p 0" in words) == bool(said)
+
+
 def test_curves_without_a_difference_have_no_bar():
     ax = figures.plot_cycle_comparison(figures.build_cycle_comparison_table(cycles(bump=0.0)))
     assert not [line for line in ax.lines if line.get_color() == "black"]

@@ -29,6 +29,7 @@ CLUSTER_COLUMNS = (
 _WHOLE_CYCLE = 100.0
 _MOST_FLIPS = 10_000
 _CURVES_AT_ONCE = 500
+_TWO_OR_MORE = "expected two or more in each: there is no test of one animal"
 
 
 class _Curves(NamedTuple):
@@ -37,6 +38,12 @@ class _Curves(NamedTuple):
     a: np.ndarray
     b: np.ndarray
     note: str
+    counted: str
+
+    @property
+    def is_enough(self) -> bool:
+        """Whether there are two animals or more in each group: there is no test of one."""
+        return min(len(self.a), len(self.b)) >= 2
 
 
 def compare_cycles(
@@ -84,13 +91,14 @@ def compare_cycles(
         ``CLUSTER_COLUMNS``, a row a cluster, the heaviest first, and a row with ``cluster`` 0 for
         two groups that have none. ``mean_difference`` is b less a over the cluster, in ``unit``;
         ``stop_percent`` is below ``start_percent`` where a cluster goes on beyond 100. Of three
-        groups and more each two are compared, and ``p_adjusted`` counts the comparisons.
+        groups and more each two are compared, and ``p_adjusted`` counts the comparisons; two of
+        which one has fewer than two animals have no p, and the note says so.
 
     Raises
     ------
     InputError
         If a column is missing, there are fewer than two groups, an animal is in both groups of an
-        unpaired comparison, a group has fewer than two animals, or an option makes no sense.
+        unpaired comparison, no two groups have two animals each, or an option makes no sense.
 
     Examples
     --------
@@ -111,15 +119,21 @@ def compare_cycles(
     if len(names) < 2:
         raise InputError(f"column {group!r} holds {names}; expected two groups or more.")
     about = {name: cycles[name].iloc[0] for name in ("signal", "unit")}
-    pairs = list(itertools.combinations(names, 2))
+    curves = {
+        (a, b): _two_groups(means, a, b, paired=paired) for a, b in itertools.combinations(names, 2)
+    }
+    n_tests = sum(own.is_enough for own in curves.values())
+    if not n_tests:
+        raise InputError(f"{next(iter(curves.values())).counted}; {_TWO_OR_MORE}.")
     parts = []
-    for a, b in pairs:
-        curves = _two_groups(means, a, b, paired=paired)
-        found = _test(
-            curves, means, paired=paired, threshold_p=threshold_p,
-            n_permutations=n_permutations, seed=seed,
-        )  # fmt: skip
-        found["p_adjusted"] = np.minimum(found["p"] * len(pairs), 1.0)
+    for (a, b), own in curves.items():
+        found = _not_tested(own)
+        if own.is_enough:
+            found = _test(
+                own, means, paired=paired, threshold_p=threshold_p,
+                n_permutations=n_permutations, seed=seed,
+            )  # fmt: skip
+        found["p_adjusted"] = np.minimum(found["p"] * n_tests, 1.0)
         parts.append(found.assign(group_a=a, group_b=b, **about))
     return pd.concat(parts, ignore_index=True)[list(CLUSTER_COLUMNS)]
 
@@ -158,14 +172,19 @@ def _two_groups(means: pd.DataFrame, a: str, b: str, *, paired: bool) -> _Curves
             f"animal {shared[0]} is in more than one group; say paired=True where the groups are "
             "conditions of the same animals."
         )
-    if min(len(one), len(two)) < 2:
-        raise InputError(
-            f"animals with curves: {len(one)} of {a}, {len(two)} of {b}; expected two or more in "
-            "each: there is no test of one animal."
-        )
     legs = means.columns.get_level_values(0).unique()
     shape = (-1, len(legs), means.shape[1] // len(legs))
-    return _Curves(one.to_numpy().reshape(shape), two.to_numpy().reshape(shape), "; ".join(notes))
+    counted = f"animals with curves: {len(one)} of {a}, {len(two)} of {b}"
+    first, second = (own.to_numpy().reshape(shape) for own in (one, two))
+    return _Curves(first, second, "; ".join(notes), counted)
+
+
+def _not_tested(curves: _Curves) -> pd.DataFrame:
+    """Return the row of two groups that cannot be tested: it has no p."""
+    notes = "; ".join(filter(None, (f"{curves.counted}: not compared", curves.note)))
+    counts = {"n_animals_a": len(curves.a), "n_animals_b": len(curves.b)}
+    row = {"leg": "", "cluster": 0, "p": math.nan, **counts, "method": "none", "note": notes}
+    return pd.DataFrame([row]).reindex(columns=list(CLUSTER_COLUMNS))
 
 
 def _test(

@@ -19,6 +19,7 @@ from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.groups.differences import compare_paired, compare_two, compare_two_phases
+from pawnb.gait.groups.shared_names import keep_shared
 from pawnb.gait.inference.checks import check_level
 from pawnb.schema import check_columns
 
@@ -75,7 +76,9 @@ def compare_groups(
         Columns that divide the table, for instance leg and reference.
     average_over : str, optional
         Column, for instance leg, whose every name counts alike in an animal's mean: the mean of
-        the means of its legs, whatever the numbers of their strides.
+        the means of its legs, whatever the numbers of their strides. Names that an animal lacks
+        are left out in all (``note``), as legs differ from each other; where no name is in
+        all animals, each has the mean of its own, which the note says.
     paired : bool
         Whether the groups are conditions of the same animals. Animals that lack one of
         the two are left out, and the note says how many; two groups that share no animal are
@@ -120,7 +123,9 @@ def compare_groups(
     parts = table.groupby(list(by), sort=False) if by else [((), table)]
     for key, part in parts:
         for measure, (a, b) in itertools.product(measures, pairs):
-            known = part[[*columns, measure]].dropna()
+            known, note = part[[*columns, measure]].dropna(), ""
+            if average_over is not None:
+                known, note = keep_shared(known, average_over, group=group, paired=paired)
             one, two = (known[known[group].astype(str) == name] for name in (a, b))
             head = dict(zip(by, key, strict=True))
             head |= {"measure": measure, "group_a": a, "group_b": b}
@@ -128,7 +133,9 @@ def compare_groups(
                 rows.append(head | {"note": f"no values in {a if one.empty else b}"})
                 continue
             how = (paired, circular, average_over, level)
-            rows.append(head | _compare(one, two, measure, how))
+            row = _compare(one, two, measure, how)
+            said = "; ".join(words for words in (row["note"], note) if words)
+            rows.append(head | row | {"note": said})
     found = pd.DataFrame(rows, columns=[*by, *GROUP_COLUMNS])
     if paired and len(rows) and found["note"].str.startswith(_NONE_IN_BOTH).all():
         raise InputError(f"paired: {_NONE_IN_BOTH}; expected the same animals.")

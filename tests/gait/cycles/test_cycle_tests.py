@@ -147,6 +147,19 @@ def test_each_two_of_three_groups_are_compared_and_counted():
     np.testing.assert_allclose(found["p_adjusted"], np.minimum(3 * found["p"], 1.0))
 
 
+def test_a_group_of_one_animal_does_not_keep_the_others_from_being_compared():
+    table = cycles(curves(5, 6), 5)
+    two = compare_cycles(table)
+    single = table[table["animal"] == "m0"].assign(animal="x0", group="c")
+    found = compare_cycles(pd.concat([table, single]))
+    tested = found[found["p"].notna()].reset_index(drop=True)
+    pd.testing.assert_frame_equal(tested, two)  # p_adjusted counts that one test
+    rest = found[found["p"].isna()]
+    assert list(zip(rest["group_a"], rest["group_b"], strict=True)) == [("a", "c"), ("b", "c")]
+    assert rest["note"].tolist()[0] == "animals with curves: 5 of a, 1 of c: not compared"
+    assert rest["p_adjusted"].isna().all()
+
+
 def test_animals_without_every_leg_and_broken_strides_are_left_out():
     both = pd.concat([cycles(curves(5, 6), 5), cycles(curves(5, 6), 5, leg="R2")])
     gone = both[~((both["animal"] == "m0") & (both["leg"] == "R2"))]

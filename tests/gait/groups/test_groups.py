@@ -11,9 +11,11 @@ from scipy.stats import ttest_ind, ttest_rel
 from statsmodels.stats.multitest import multipletests
 
 from pawnb.errors import InputError
+from pawnb.figures import build_estimation_table
 from pawnb.gait.circular.tests import mean_test
 from pawnb.gait.groups import GROUP_COLUMNS, adjust_p, compare_groups
 from pawnb.gait.groups.differences import compare_paired, compare_two, compare_two_phases, hedges_g
+from pawnb.gait.overview import measures_by_animal
 
 A = np.array([3.0, 4, 1, 2, 5])
 B = np.array([7.0, 5, 6, 9, 8, 4])
@@ -316,3 +318,51 @@ def test_bad_input_is_refused(options, message):
         compare_groups(strides(), ["duty_factor"], **options)
     with pytest.raises(InputError, match=r"^correction is 'x'"):
         adjust_p(P, correction="x")
+
+
+def unlike_legs(lacking):
+    """Fore legs at 0.65, hind legs 0.07 above, animals as they come; no difference of groups."""
+    steps = {"a1": 0.0, "a2": 0.01, "a3": 0.02, "b1": 0.0, "b2": 0.01, "b3": 0.02}
+    rows = [
+        (animal, animal[0], leg, 0.65 + step + 0.07 * (leg == "HR"))
+        for animal, step in steps.items()
+        for leg in ("FR", "HR")
+        for _ in range(4)
+        if leg not in lacking.get(animal, ())
+    ]
+    return pd.DataFrame(rows, columns=["animal", "group", "leg", "duty_factor"])
+
+
+def test_an_animal_without_a_leg_does_not_differ_by_what_its_legs_differ():
+    whole = compare_groups(unlike_legs({}), ["duty_factor"], average_over="leg").iloc[0]
+    assert (whole["difference"], whole["note"]) == (pytest.approx(0.0), "")
+    lame = unlike_legs({"b1": ["HR"], "b2": ["HR"]})
+    found = compare_groups(lame, ["duty_factor"], average_over="leg").iloc[0]
+    # of fore legs alone: the groups are the same, and p is 1
+    assert (found["difference"], found["mean_a"]) == pytest.approx((0.0, 0.66))
+    assert (found["p"], found["n_a"], found["n_animals_b"]) == (pytest.approx(1.0), 12, 3)
+    assert found["note"] == "mean of FR only: HR is not known of b1, b2"
+    table = build_estimation_table(lame, "duty_factor", average_over="leg")
+    assert table.loc[table["row"] == "mean", "value"].tolist() == pytest.approx([0.66, 0.66])
+    assert measures_by_animal(lame, ["duty_factor"])["duty_factor"]["b1"] == pytest.approx(0.65)
+
+
+def test_a_leg_that_stands_in_one_condition_is_left_out_in_the_other():
+    table = unlike_legs({"b1": ["HR"]})
+    table["animal"] = table["animal"].str[-1]
+    alone = table[table["animal"] == "3"].assign(animal="4", group="a")
+    table = pd.concat([table, alone[alone["leg"] == "HR"]])  # without partner, so of no account
+    found = compare_groups(table, ["duty_factor"], average_over="leg", paired=True).iloc[0]
+    assert (found["difference"], found["mean_b"]) == pytest.approx((0.0, 0.66))
+    only = "1 animal in one condition only left out"
+    assert found["note"].endswith(f"{only}; mean of FR only: HR is not known of 1")
+
+
+def test_animals_that_share_no_leg_are_said_to_have_means_of_different_ones():
+    lacking = {"a1": ["HR"], "a2": ["HR"], "a3": ["HR"], "b3": ["HR"], "b1": ["FR"], "b2": ["FR"]}
+    found = compare_groups(unlike_legs(lacking), ["duty_factor"], average_over="leg").iloc[0]
+    assert found["n_animals_b"] == 3
+    assert found["note"] == (
+        "animals have means of different legs: HR is not known of a1, a2, a3 and 1 more; "
+        "FR is not known of b1, b2"
+    )

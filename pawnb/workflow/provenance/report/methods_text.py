@@ -214,7 +214,8 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
             "by Holm's method, and p over all measures is given beside it"
         )
     if "curve_clusters" in further:
-        counted = " or ".join(dict.fromkeys(further["curve_clusters"]["method"].astype(str)))
+        methods = dict.fromkeys(further["curve_clusters"]["method"].astype(str))
+        counted = " or ".join(method for method in methods if method != "none")
         said.append(
             "Curves over the stride were compared by cluster permutation tests over animals "
             f"({counted}; clusters of points whose t has p below 0.05)"
