@@ -157,7 +157,7 @@ def compare_paired(
         away = float(each.mean())
         error = float(each.std(ddof=1)) / math.sqrt(k) if k > 1 else math.nan
     if k < 2 or not math.isfinite(away):
-        return _no_test(*means, away, counts)
+        return _no_test(*means, away, counts, "one animal in both: no interval and no p")
     if is_rounding(error, np.ones(1) if circular else np.concatenate((a, b))):
         return _no_test(*means, away, counts, NOTHING_VARIES)
     half, p, df = _welch(away, (error**2, 0.0), (k - 1, 1), level)

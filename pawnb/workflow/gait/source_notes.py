@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +16,7 @@ from pawnb.io.deeplabcut import PICTURES
 from pawnb.io.format_table import find_entry
 from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
+from pawnb.workflow.gait.group_notes import name_trials, notes_on_groups
 from pawnb.workflow.gait.sources import GaitSource
 
 _MOST = 0.5
@@ -81,12 +81,6 @@ def say_whose_trial(parts: Sequence[GaitTables]) -> list[GaitTables]:
     return told
 
 
-def _called(some: Iterable[tuple[str, str]], trials: Iterable[tuple[str, str]]) -> list[str]:
-    """Return the names of some trials, with the animal's where another one has such a trial."""
-    names = Counter(trial for _, trial in trials)
-    return [trial if names[trial] == 1 else trial_of(animal, trial) for animal, trial in some]
-
-
 def notes_on_trials(
     sources: Sequence[GaitSource],
     tables: GaitTables,
@@ -115,84 +109,11 @@ def notes_on_trials(
     """
     who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
     trials = list(who.itertuples(index=False, name=None))
-    compared = sources[0].compared
     return [
-        *_spelt_alike("animals", (animal for animal, _ in trials)),
-        *_spelt_alike("groups", groups.values()),
-        *_without_group(trials, groups),
-        *_in_several_groups(groups, compared=compared),
-        *_not_told_apart(groups, aside, compared=compared),
+        *notes_on_groups(trials, groups, aside=aside, compared=sources[0].compared),
         *_missing_legs(tables.events),
         *_ways_of_stance(tables.strides, trials),
         *_rates_of_groups(sources, groups),
-    ]
-
-
-def _spelt_alike(what: str, names: Iterable[str]) -> list[str]:
-    """Say which names differ in capitals, spaces, hyphens and underscores only."""
-    alike: dict[str, list[str]] = {}
-    for name in dict.fromkeys(names):
-        alike.setdefault(re.sub(r"[\s_-]+", "", name).casefold(), []).append(name)
-    return [
-        f"{' and '.join(same)} count as {len(same)} {what}: where they are one, write the name "
-        "alike everywhere and run this again."
-        for same in alike.values()
-        if len(same) > 1
-    ]
-
-
-def _without_group(
-    trials: Sequence[tuple[str, str]], groups: Mapping[tuple[str, str], str]
-) -> list[str]:
-    """Say which trials have no group, where others have one."""
-    if not groups:
-        return []
-    lost = _called([one for one in trials if one not in groups], trials)
-    if not lost:
-        return []
-    return [
-        f"no group is given for {', '.join(lost)}: left out where groups are compared, and "
-        "counted in all other tables."
-    ]
-
-
-def _in_several_groups(groups: Mapping[tuple[str, str], str], *, compared: str) -> list[str]:
-    """Say which animals are in several groups: they are compared with themselves, others not."""
-    own: dict[str, dict[str, None]] = {}
-    for (animal, _), group in groups.items():
-        own.setdefault(animal, {})[group] = None
-    several = [animal for animal, names in own.items() if len(names) > 1]
-    if not several:
-        return []
-    names = " and ".join(dict.fromkeys(name for animal in several for name in own[animal]))
-    alone = ", ".join(animal for animal in own if animal not in several)
-    if compared == "condition":  # so it is meant
-        left = f"no other condition is given for {alone}: left out where conditions are compared."
-        return [left] * bool(alone)
-    left = f", and {alone}, of one group only, left out" if alone else ""
-    return [
-        f"{', '.join(several)} count as the same animals in {names}: groups are compared within "
-        f"animals (paired){left}. Where these are different animals, or a trial is in a wrong "
-        "group, give every animal an id and a group of its own and run this again."
-    ]
-
-
-def _not_told_apart(
-    groups: Mapping[tuple[str, str], str], aside: Mapping[tuple[str, str], str], *, compared: str
-) -> list[str]:
-    """Say where groups are compared although each has trials of several conditions, or so."""
-    own: dict[str, dict[str, None]] = {}
-    for key, name in aside.items():
-        own.setdefault(groups.get(key, ""), {})[name] = None
-    mixed = dict.fromkeys(name for names in own.values() if len(names) > 1 for name in names)
-    if not groups or not mixed:
-        return []
-    other = "condition" if compared == "group" else "group"
-    return [
-        f"{compared}s are compared over several {other}s ({', '.join(mixed)}), which are not told "
-        f"apart: the mean of a {compared} is over all of them. To compare within one {other}, "
-        "leave the trials of the others out of the study; to compare these, write [study] "
-        f'compare = "{other}".'
     ]
 
 
@@ -202,7 +123,7 @@ def _missing_legs(events: pd.DataFrame) -> list[str]:
     has = pd.crosstab(trials, events["leg"].astype(str)) > 0
     notes = []
     for leg in has.columns[~has.all() & (has.mean() > _MOST)]:
-        without = ", ".join(_called(has.index[~has[leg]], has.index))
+        without = ", ".join(name_trials(has.index[~has[leg]], has.index))
         animals = has[leg].groupby(level=0).any()
         notes.append(
             f"{leg} has no event in {without}: what is said of it counts {int(animals.sum())} of "
@@ -221,7 +142,7 @@ def _ways_of_stance(strides: pd.DataFrame, trials: Sequence[tuple[str, str]]) ->
         return []
     told = " and ".join(
         f"{way.replace('/', ' to ')} in "
-        f"{', '.join(_called(own.itertuples(index=False, name=None), trials))}"
+        f"{', '.join(name_trials(own.itertuples(index=False, name=None), trials))}"
         for way, own in ways.items()
     )
     return [

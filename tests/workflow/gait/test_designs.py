@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import unicodedata
+
 import pandas as pd
 import pytest
 
+from pawnb.workflow.gait.group_notes import notes_on_groups
 from pawnb.workflow.gait.run import run_gait
 
 FPS = 100.0
@@ -105,9 +108,41 @@ def test_conditions_that_are_not_told_apart_are_named(tmp_path):
     notes, _, _ = analyse(tmp_path, rows)
     (note,) = [note for note in notes if "not told apart" in note]
     assert note.startswith("groups are compared over several conditions (before, after)")
+    assert "of another mix" not in note
+    notes, _, _ = analyse(tmp_path, [row for row in rows if row["file"] != "z-after.csv"])
+    (note,) = [note for note in notes if "not told apart" in note]
+    assert "; z lack some of them, so that their means are of another mix. To" in note
     # one condition in each group is no mixture
     notes, _, _ = analyse(tmp_path, [row for row in rows if row["condition"] == "before"])
     assert not [note for note in notes if "not told apart" in note]
+
+
+@pytest.mark.slow
+def test_that_phases_are_over_all_groups_together_is_said(tmp_path):
+    rows = write_study(tmp_path, "group", {"ctl": "abc", "les": "xyz"})
+    notes, methods, _ = analyse(tmp_path, rows)
+    (note,) = [note for note in notes if "together" in note]
+    assert note.startswith("means, intervals and patterns of phase_summary, animals and legs, and")
+    assert "over all groups together (ctl, les). groups.csv has the means of each group" in note
+    assert "Mean phases are circular means over the animals of all groups together" in methods
+    notes, methods, _ = analyse(tmp_path, rows[:3])
+    assert not [note for note in notes if "together" in note]
+    assert "Mean phases are circular means over animals, each" in methods
+
+
+@pytest.mark.parametrize(
+    ("names", "alike"),
+    [
+        (["007", "7"], "007 and 7"),  # a spreadsheet takes the zeros away
+        (["m01", "M-1", "m10"], "m01 and M-1"),
+        (["Mäx", unicodedata.normalize("NFD", "Mäx")], "Mäx and Mäx"),
+        (["0.05 mg", "0.5 mg", "m1", "m10", "0", "00x"], None),
+    ],
+)
+def test_names_of_one_animal_that_are_spelt_unlike_are_said(names, alike):
+    notes = notes_on_groups([(name, "t") for name in names], {}, aside={}, compared="group")
+    said = [unicodedata.normalize("NFC", note) for note in notes]
+    assert [note.split(" count as")[0] for note in said] == ([] if alike is None else [alike])
 
 
 @pytest.mark.slow

@@ -22,6 +22,10 @@ _TESTS = {
     "legs exchanged within trials": "permutation tests (legs exchanged within trials)",
     "Welch's t": "Welch's t test of the means of animals",
     "Welch's t of phases": "the same of phases",
+    "paired t": "paired t tests of the means of animals",
+    "paired t of phases": "the same of phases",
+    "Greenhouse-Geisser": "analysis of variance of repeated measures (legs within animals) with "
+    "the correction of Greenhouse and Geisser",
 }
 """Tests under the names that tables give them, in a sentence."""
 _PROGRAMS = ("numpy", "scipy", "pandas", "xarray", "matplotlib")
@@ -196,8 +200,9 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     said = []
     animals = tables.events["animal"].nunique()
     if len(tables.phase_summary) and animals > 1:
+        whose = "the animals of all groups together" if "groups" in further else "animals"
         said.append(
-            "Mean phases are circular means over animals, each counted once, with 95 % intervals "
+            f"Mean phases are circular means over {whose}, each counted once, with 95 % intervals "
             "and Rayleigh's test"
         )
     for name, words in (("groups", "Groups were compared by"), ("legs", "Legs were compared by")):
