@@ -29,6 +29,9 @@ from pawnb.gait.inference.circular_sample import (
 from pawnb.gait.inference.permutations import shuffle_in_blocks
 
 _MOST_GROUPINGS = 20_000
+_LEAST_R = ((11.0, 0.45), (7.0, 0.5), (0.0, 0.55))
+"""Phases a group, and from which mean r on Watson and Williams' F may be used (CircStat's
+circ_wwtest; its further rule of 5 phases a group is not needed: 3 and 3 hold their level)."""
 
 
 def watson_williams_test(
@@ -56,8 +59,10 @@ def watson_williams_test(
     Returns
     -------
     CircularTest
-        ``statistic`` is F with k - 1 and N - k degrees of freedom. A note says where r is
-        too small for the test (below 0.45 by CircStat's rule).
+        ``statistic`` is F with k - 1 and N - k degrees of freedom. Where r is too small for the
+        test by CircStat's rule (below 0.45; 0.5 of fewer than 11 phases a group; 0.55 of fewer
+        than 7) there is no p, and the note says so: of phases at random 20 to 49 % would have
+        one below 0.05.
 
     Raises
     ------
@@ -77,10 +82,14 @@ def watson_williams_test(
     p = max(float(fisher.sf(f, k - 1, n - k)), TINY)
     counts = (len(phases), n_animals, f"F, {k - 1} and {n - k} df")
     found = make_result("Watson-Williams F", f, p, counts=counts)
-    if lengths / n >= 0.45:
+    limit = next(least for size, least in _LEAST_R if n / k >= size)
+    if lengths / n >= limit:
         return found
-    note = "r within groups is below 0.45: too scattered for this test"
-    return found._replace(note=f"{found.note}; {note}" if found.note else note)
+    note = (
+        f"r within groups is below {limit}: too scattered for this test, so no p "
+        "(wheeler_watson_test needs no such r)"
+    )
+    return found._replace(p=math.nan, note=f"{found.note}; {note}" if found.note else note)
 
 
 def watson_u2_test(

@@ -46,8 +46,33 @@ def test_watson_williams(samples, f, p, tolerance, in_r):
 
 def test_watson_williams_says_where_phases_are_too_scattered():
     phases = np.array([0.0, 0.3, 0.6, 0.1, 0.5, 0.8])
-    assert "too scattered" in watson_williams_test(phases, list("aaabbb")).note
+    found = watson_williams_test(phases, list("aaabbb"))
+    assert "below 0.55: too scattered" in found.note
+    assert math.isnan(found.p)
     assert "too scattered" not in watson_williams_test(*labelled(D10)).note
+
+
+def test_watson_williams_finds_nothing_in_phases_at_random():
+    """Two groups of 10 uniform phases: p was below 0.05 in 44 % of 200 studies."""
+    rng = np.random.default_rng(0)
+    groups = np.repeat(["a", "b"], 10)
+    found = [watson_williams_test(rng.random(20), groups).p for _ in range(200)]
+    assert np.isnan(found).mean() > 0.9
+    assert (np.array(found) < 0.05).mean() < 0.05
+
+
+@pytest.mark.parametrize(("size", "least"), [(11, 0.45), (7, 0.5), (6, 0.55), (3, 0.55)])
+def test_least_r_of_watson_williams_is_that_of_circstat(size, least):
+    for r, is_there in ((least + 0.01, True), (least - 0.01, False)):
+        # as many phases before the mean as after it, so far away that r is as wanted
+        away = np.arccos(r) / (2.0 * np.pi)
+        one = np.resize([away, -away], size)
+        if size % 2:  # the odd one stands at the mean; the others are wider apart for it
+            wider = np.arccos((r * size - 1.0) / (size - 1.0)) / (2.0 * np.pi)
+            one = np.append(np.resize([wider, -wider], size - 1), 0.0)
+        phases = np.mod(np.concatenate((one, one + 0.1)), 1.0)
+        found = watson_williams_test(phases, np.repeat(["a", "b"], size))
+        assert math.isfinite(found.p) == is_there
 
 
 def test_watson_u2():
