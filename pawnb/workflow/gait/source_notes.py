@@ -16,6 +16,7 @@ from pawnb.io.deeplabcut import PICTURES
 from pawnb.io.format_table import find_entry
 from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
+from pawnb.workflow.gait.event_sources import groups_of_events
 from pawnb.workflow.gait.group_notes import name_trials, notes_on_groups
 from pawnb.workflow.gait.sources import GaitSource
 
@@ -47,7 +48,28 @@ def notes_on_sources(sources: Sequence[GaitSource], animals: Sequence[str] | Non
         (source.given.name, source.tracks) for source in sources if source.tracks is not None
     ]
     own = [note for name, tracks in tracked for note in _on_rows(name, tracks)]
-    return [*whose, *own, *_same_recordings(sources), *_units_taken(sources)]
+    told = [*_told_otherwise(sources), *_same_recordings(sources), *_units_taken(sources)]
+    return [*whose, *own, *told]
+
+
+def _told_otherwise(sources: Sequence[GaitSource]) -> list[str]:
+    """Say which files say another group or animal of themselves than was told beside them."""
+    groups, animals = [], []
+    for source in sources:
+        named = {} if source.events is None else groups_of_events(source.events, where="")
+        own = [source.trial.animal.group] if source.trial is not None and not named else []
+        said = {group for group in (*named.values(), *own) if group}
+        if source.group and source.compared == "group" and said and said != {source.group}:
+            groups.append(f"{_named(source)} in {source.group}, not {' or '.join(sorted(said))}")
+        now = source.animals[:1]
+        if source.of_trial is not None and source.called and source.called[:1] != now:
+            animals.append(f"{_named(source)} as {now[0]}, not {source.called[0]}")
+    return [
+        f"{what} are counted as the study (or command) says, and not as the file itself: "
+        f"{'; '.join(told)}. Look which of them is right."
+        for what, told in (("groups", groups), ("animals", animals))
+        if told
+    ]
 
 
 def say_whose_trial(parts: Sequence[GaitTables]) -> list[GaitTables]:

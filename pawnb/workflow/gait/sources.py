@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -118,7 +118,8 @@ class GaitSource:
     def of_animal(self, animal: str) -> GaitSource:
         """Return the same input as that of one animal."""
         if self.events is not None:
-            return replace(self, events=self.events.assign(animal=animal), guessed=False)
+            named_events = self._events_of(animal, self.events)
+            return replace(self, events=named_events, guessed=False)
         if self.tracks is not None and self.tracks.sizes["individual"] > 1:
             named = self._of_several(animal.split("+"), self.tracks)
             return replace(self, tracks=named, guessed=False)
@@ -127,15 +128,27 @@ class GaitSource:
             trial = replace(trial, animal=replace(trial.animal, id=animal))
         return replace(self, trial=trial, guessed=False, called=self._own_names())
 
+    def _events_of(self, animal: str, events: pd.DataFrame) -> pd.DataFrame:
+        """Return events under other ids of their animals."""
+        own = list(dict.fromkeys(events["animal"].astype(str)))
+        ids = [animal] if len(own) < 2 else animal.split("+")
+        self._check_ids(ids, own, what="events")
+        return events.assign(
+            animal=events["animal"].astype(str).map(dict(zip(own, ids, strict=True)))
+        )
+
     def _of_several(self, ids: list[str], tracks: Tracks) -> Tracks:
         """Return tracks of several animals under other ids."""
-        own = self.animals
-        if len(ids) != len(own) or not all(ids) or len(set(ids)) < len(ids):
+        self._check_ids(ids, self.animals, what="tracks")
+        return tracks.assign_coords(individual=ids)
+
+    def _check_ids(self, ids: Sequence[str], own: Sequence[str], *, what: str) -> None:
+        """Refuse ids that are not one for each animal."""
+        if own and (len(ids) != len(own) or not all(ids) or len(set(ids)) < len(ids)):
             raise InputError(
-                f"{self.path}: these tracks have {len(own)} animals, {', '.join(own)}; name each "
+                f"{self.path}: these {what} have {len(own)} animals, {', '.join(own)}; name each "
                 "once, joined by + in this order, such as m1+m2, or leave animals (--animals) away."
             )
-        return tracks.assign_coords(individual=ids)
 
     @property
     def animals(self) -> tuple[str, ...]:
@@ -154,6 +167,14 @@ class GaitSource:
     def of_name(self, name: str) -> GaitSource:
         """Return the same input under another name of its trial."""
         if self.events is not None:
+            trials = self.events[["animal", "trial"]].astype(str).drop_duplicates()
+            twice = trials[trials.duplicated("animal")]
+            if len(twice):
+                own = trials.loc[trials["animal"] == twice["animal"].iloc[0], "trial"]
+                raise InputError(
+                    f"{self.path}: these events are of several trials of one animal, "
+                    f"{', '.join(own)}; leave name = {name!r} away, which would make one of them."
+                )
             return replace(self, events=self.events.assign(trial=name))
         trial = self.trial
         named = None if trial is None else replace(trial, name=name)

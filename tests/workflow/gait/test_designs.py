@@ -6,9 +6,16 @@ import unicodedata
 
 import pandas as pd
 import pytest
+from trotting import walking_tracks
 
+from pawnb.errors import InputError
+from pawnb.io.native import write_tracks
 from pawnb.workflow.gait.group_notes import notes_on_groups
+from pawnb.workflow.gait.inputs import read_sources
+from pawnb.workflow.gait.request import GaitRequest
 from pawnb.workflow.gait.run import run_gait
+from pawnb.workflow.gait.source_notes import notes_on_sources
+from pawnb.workflow.gait.sources import read_source
 
 FPS = 100.0
 
@@ -174,3 +181,52 @@ def test_what_does_not_vary_between_animals_is_not_tested(tmp_path):
     assert own[["p", "ci_low", "ci_high", "effect", "p_adjusted"]].isna().all()
     assert own["note"] == "no spread between animals beyond rounding: no interval and no p"
     assert "Differences between groups are described and not tested" in methods
+
+
+@pytest.mark.slow
+def test_a_file_that_says_another_group_than_the_study_is_named(tmp_path):
+    rows = write_study(tmp_path, "group", {"ctl": "abc", "les": "xyz"})
+    for row in rows:
+        path = tmp_path / row["file"]
+        own = "les" if row["animal"] == "b" else row["group"]
+        pd.read_csv(path).assign(group=own).to_csv(path, index=False)
+    notes, _, found = analyse(tmp_path, rows)
+    (note,) = [note for note in notes if "as the file itself" in note]
+    assert "itself: ctl-b.csv (trial) in ctl, not les. Look which" in note
+    assert found["n_animals_a"].iloc[0] == 3
+
+
+def test_a_trial_that_names_another_animal_and_group_than_the_study_is_named(tmp_path):
+    rows = []
+    for animal, group in (("a", "ctl"), ("b", "les")):
+        folder = tmp_path / animal
+        folder.mkdir()
+        write_tracks(walking_tracks("t", "x").isel(time=slice(0, 200)), folder / "own.nc")
+        (folder / "trial.toml").write_text(
+            f'[trial]\nkind = "tracks"\nname = "{animal}-1"\nfps = {FPS}\n'
+            f'[animal]\nid = "a"\nspecies = "mouse"\ngroup = "ctl"\n[tracks]\nfile = "own.nc"\n'
+        )
+        rows.append({"file": animal, "animal": animal, "group": group})
+    pd.DataFrame(rows).to_csv(tmp_path / "study.csv", index=False)
+    sources, _ = read_sources(GaitRequest(inputs=tmp_path / "study.csv"))
+    groups, animals = [n for n in notes_on_sources(sources, None) if "as the file itself" in n]
+    assert "itself: trial.toml (b-1) in les, not ctl. Look" in groups
+    assert "itself: trial.toml (b-1) as b, not a. Look" in animals
+
+
+def test_events_of_several_animals_or_trials_are_not_made_into_one(tmp_path):
+    write_trial(tmp_path / "one.csv")
+    write_trial(tmp_path / "two.csv", period=26.0)
+    parts = [pd.read_csv(tmp_path / name).assign(trial=name) for name in ("one.csv", "two.csv")]
+    pd.concat([p.assign(animal=a) for p, a in zip(parts, "ab", strict=True)]).to_csv(
+        tmp_path / "animals.csv", index=False
+    )
+    pd.concat(parts).assign(animal="a").to_csv(tmp_path / "trials.csv", index=False)
+    with pytest.raises(InputError, match=r"these events have 2 animals, a, b; name each once, joi"):
+        analyse(tmp_path, [{"file": "animals.csv", "animal": "a"}])
+    with pytest.raises(InputError, match=r"several trials of one animal, one.csv, two.csv; leave"):
+        analyse(tmp_path, [{"file": "trials.csv", "animal": "a", "name": "x"}])
+    source = read_source(tmp_path / "animals.csv", fps=FPS).of_animal("x+y")
+    assert source.events is not None
+    own = source.events.groupby("trial")["animal"].unique().map(list).to_dict()
+    assert own == {"one.csv": ["x"], "two.csv": ["y"]}
