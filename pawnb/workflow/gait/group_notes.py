@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from pawnb.gait.analysis.notes import trial_of
+from pawnb.workflow.gait.study_tables import LENGTH, MASS, Fields
 
 
 def notes_on_groups(
@@ -43,6 +44,51 @@ def notes_on_groups(
         *_in_several_groups(groups, compared=compared),
         *_not_told_apart(groups, aside, compared=compared),
         *_all_together(groups, compared=compared),
+    ]
+
+
+def notes_on_fields(fields: Fields) -> list[str]:
+    """Say where what is known of animals is not known of all, or contradicts itself.
+
+    Parameters
+    ----------
+    fields : mapping
+        (animal, trial) to its covariates.
+
+    Returns
+    -------
+    list of str
+        The notes.
+    """
+    names = list(dict.fromkeys(name for own in fields.values() for name in own))
+    notes = []
+    for name in names:
+        lacking = [who for who, own in fields.items() if name not in own]
+        if lacking and name in (*MASS, *LENGTH):
+            notes.append(
+                f"gait is not compared with {name}: it is not given for "
+                f"{', '.join(name_trials(lacking, fields))}; every trial of every animal needs it."
+            )
+        notes += _contradictions(name, fields)
+    return notes
+
+
+def _contradictions(name: str, fields: Fields) -> list[str]:
+    """Say which animals have several values of a field that is one value in most others."""
+    values: dict[str, list[str]] = {}
+    for (animal, _), own in fields.items():
+        values.setdefault(animal, []).append(str(own.get(name, "")))
+    several = {animal: own for animal, own in values.items() if len(own) > 1}
+    differ = {a: dict.fromkeys(own) for a, own in several.items() if len(set(own)) > 1}
+    if not differ or 2 * len(differ) >= len(several):
+        return []
+    told = "; ".join(
+        f"{animal}: {', '.join(value or 'empty' for value in own)}"
+        for animal, own in differ.items()
+    )
+    return [
+        f"{name} is one value in the trials of most animals, and several in those of {told}. Look "
+        "whether that is a slip, or two animals under one name."
     ]
 
 

@@ -281,13 +281,13 @@ def _findings(
     further, remarks = _further_tables(tables, sources, groups=groups, angles=angles)
     joints = joint_signals_of(named_tracks)
     further |= tables_of_study(tables, groups=groups, joints=joints, fields=fields)
+    told = notes_on_sources(sources, request.animals)
+    told += notes_on_trials(sources, tables, groups, aside=aside, fields=fields)
     try:
         further |= size_tables(tables.strides, fields)
     except InputError as error:
         remarks.append(f"gait is not compared with size: {error}")
         fields = {}
-    told = notes_on_sources(sources, request.animals)
-    told += notes_on_trials(sources, tables, groups, aside=aside)
     remarks = [*told, *tables.notes, *remarks]
     tables = dataclasses.replace(tables, notes=tuple(remarks))
     every = {name: _grouped(getattr(tables, name), groups) for name in TABLES} | further

@@ -17,8 +17,9 @@ from pawnb.io.format_table import find_entry
 from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks
 from pawnb.workflow.gait.event_sources import groups_of_events
-from pawnb.workflow.gait.group_notes import name_trials, notes_on_groups
+from pawnb.workflow.gait.group_notes import name_trials, notes_on_fields, notes_on_groups
 from pawnb.workflow.gait.sources import GaitSource
+from pawnb.workflow.gait.study_tables import Fields
 
 _MOST = 0.5
 """Share of the trials that have a leg, from which on the others lack it."""
@@ -109,6 +110,7 @@ def notes_on_trials(
     groups: Mapping[tuple[str, str], str],
     *,
     aside: Mapping[tuple[str, str], str],
+    fields: Fields,
 ) -> list[str]:
     """Say what makes trials that are pooled or compared unlike each other.
 
@@ -123,6 +125,8 @@ def notes_on_trials(
     aside : mapping
         Condition of each animal and trial where a study compares groups, group where it compares
         conditions.
+    fields : mapping
+        (animal, trial) to its covariates.
 
     Returns
     -------
@@ -133,6 +137,7 @@ def notes_on_trials(
     trials = list(who.itertuples(index=False, name=None))
     return [
         *notes_on_groups(trials, groups, aside=aside, compared=sources[0].compared),
+        *notes_on_fields(fields),
         *_missing_legs(tables.events),
         *_ways_of_stance(tables.strides, trials),
         *_rates_of_groups(sources, groups),

@@ -234,6 +234,9 @@ def _trial(
     words = {n: str(known[n]) for n in ("name", "group", "condition") if n in known}
     fields = {name: value for name, value in known.items() if name not in _OF_TRIAL}
     for name, value in fields.items():
+        meant = name.strip().casefold()
+        if meant in _OF_TRIAL:
+            raise InputError(f"{path}: {name!r} would not be read; write {meant!r}.")
         if isinstance(value, dict | list):
             hint = did_you_mean(name, _OF_TRIAL)
             if name == "legs":

@@ -10,7 +10,7 @@ from trotting import walking_tracks
 
 from pawnb.errors import InputError
 from pawnb.io.native import write_tracks
-from pawnb.workflow.gait.group_notes import notes_on_groups
+from pawnb.workflow.gait.group_notes import notes_on_fields, notes_on_groups
 from pawnb.workflow.gait.inputs import read_sources
 from pawnb.workflow.gait.request import GaitRequest
 from pawnb.workflow.gait.run import run_gait
@@ -150,6 +150,17 @@ def test_names_of_one_animal_that_are_spelt_unlike_are_said(names, alike):
     notes = notes_on_groups([(name, "t") for name in names], {}, aside={}, compared="group")
     said = [unicodedata.normalize("NFC", note) for note in notes]
     assert [note.split(" count as")[0] for note in said] == ([] if alike is None else [alike])
+
+
+def test_what_is_not_known_of_all_animals_or_contradicts_itself_is_said():
+    fields = {(a, t): {"sex": "F", "mass_g": 20.0 + (t == "2")} for a in "abc" for t in "12"}
+    assert notes_on_fields(fields) == []  # a mass that grows in most animals is no slip
+    fields["b", "2"]["sex"] = "M"
+    del fields["c", "1"]["mass_g"]
+    slip, size = sorted(notes_on_fields(fields), reverse=True)
+    assert slip.startswith("sex is one value in the trials of most animals, and several in")
+    assert "those of b: F, M. Look whether" in slip
+    assert size.startswith("gait is not compared with mass_g: it is not given for c 1; every")
 
 
 @pytest.mark.slow

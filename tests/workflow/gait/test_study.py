@@ -386,6 +386,9 @@ def test_a_study_whose_columns_are_in_capitals_is_told_their_names(tmp_path):
     (tmp_path / "study.csv").write_text("File,Animal,Group\none.csv,m1,a\n")
     with pytest.raises(InputError, match=r"A study needs the columns 'file' .* found File, "):
         run_gait(tmp_path / "study.csv")
+    (tmp_path / "study.csv").write_text("file,animal,Group\none.csv,m1,a\n")
+    with pytest.raises(InputError, match=r"'Group' would not be read; write 'group'\.$"):
+        read_study(tmp_path / "study.csv")
 
 
 @pytest.mark.slow
