@@ -188,9 +188,11 @@ class GaitSource:
 
 
 def _trials_in(tables: GaitTables) -> list[tuple[str, str]]:
-    """Return each animal and trial of these tables."""
+    """Return each animal and trial of these tables, also of those in which no event was found."""
     who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
-    return list(who.itertuples(index=False, name=None))
+    there = list(who.itertuples(index=False, name=None))
+    every = [(str(basis.who["animal"]), str(basis.who["trial"])) for basis in tables.bases]
+    return list(dict.fromkeys([*there, *every]))
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:

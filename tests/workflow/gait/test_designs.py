@@ -164,6 +164,22 @@ def test_what_is_not_known_of_all_animals_or_contradicts_itself_is_said():
 
 
 @pytest.mark.slow
+def test_an_animal_without_strides_is_counted_and_keeps_its_group(tmp_path):
+    still = walking_tracks("t3", "m3").isel(time=slice(0, 200)).copy(deep=True)
+    still["position"][:] = still["position"].isel(time=0)
+    rows = []
+    for k, tracks in enumerate((walking_tracks("t1", "m1"), walking_tracks("t2", "m2"), still)):
+        write_tracks(tracks, tmp_path / f"{k}.nc")
+        rows.append({"file": f"{k}.nc", "animal": f"m{k}", "group": "ab"[k > 0]})
+    _, methods, _ = analyse(tmp_path, rows, name=["t0", "t1", "t2"])
+    assert methods.startswith("Gait was analysed in 3 trials of 3 animals: ")
+    assert " No stride was found in 1 of these trials (t2); m2 is in no mean and no te" in methods
+    listed = pd.read_csv(tmp_path / "results" / "trials.csv")
+    assert listed["group"].tolist() == ["a", "b", "b"]
+    assert listed["n_strides"].iloc[2] == 0
+
+
+@pytest.mark.slow
 def test_stances_by_position_beside_stances_by_contact_are_said(tmp_path):
     rows = write_study(tmp_path, "group", {"ctl": "abc", "les": "xyz"})
     notes, _, _ = analyse(tmp_path, rows)

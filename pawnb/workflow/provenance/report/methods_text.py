@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -108,16 +108,19 @@ def methods_paragraphs(
 
 def _subjects(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     """Say of whom, how many strides of each, in which groups and in which unit."""
-    who = tables.events[["animal", "trial"]].drop_duplicates()
     strides = tables.strides
+    own_names = strides[["animal", "trial"]].drop_duplicates().astype(str)
+    with_strides = set(own_names.itertuples(index=False, name=None))
+    who = list(_trials(tables))
     by_leg = ", ".join(f"{leg} {n}" for leg, n in strides.groupby("leg", sort=False).size().items())
-    counted = _number(who["animal"].nunique(), "animal")
+    counted = _number(len({animal for animal, _ in who}), "animal")
     each = strides.groupby("animal", sort=False).size().tolist()
     spread = f", {_range(each)} of each animal" if len(each) > 1 else ""
     said = [
         f"Gait was analysed in {_number(len(who), 'trial')} of {counted}: "
         f"{_number(len(strides), 'stride')}{f' ({by_leg})' if by_leg else ''}{spread}."
     ]
+    said += _without_strides([one for one in who if one not in with_strides], with_strides)
     grouped = further.get("strides", strides)
     if "group" in grouped and grouped["group"].notna().any():
         own = [
@@ -129,6 +132,28 @@ def _subjects(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     if unit is not None:
         said.append(f"Lengths are in {unit}{', not calibrated' if unit == 'px' else ''}.")
     return " ".join(said)
+
+
+def _trials(tables: GaitTables) -> dict[tuple[str, str], None]:
+    """Return each animal and trial that was analysed, also those in which nothing was found."""
+    found = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
+    who = dict.fromkeys(found.itertuples(index=False, name=None))
+    return who | dict.fromkeys((str(b.who["animal"]), str(b.who["trial"])) for b in tables.bases)
+
+
+def _without_strides(
+    lacking: Sequence[tuple[str, str]], with_strides: Collection[tuple[str, str]]
+) -> list[str]:
+    """Say in which trials no stride was found, and which animals so have none."""
+    if not lacking or not with_strides:
+        return []
+    known = {animal for animal, _ in with_strides}
+    gone = list(dict.fromkeys(animal for animal, _ in lacking if animal not in known))
+    trials = ", ".join(dict.fromkeys(trial for _, trial in lacking))
+    left = f"; {', '.join(gone)} {'is' if len(gone) == 1 else 'are'} in no mean and no test"
+    return [
+        f"No stride was found in {len(lacking)} of these trials ({trials}){left if gone else ''}."
+    ]
 
 
 def _events(tables: GaitTables, step: Mapping[str, Any]) -> str:
