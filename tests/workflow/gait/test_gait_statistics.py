@@ -192,7 +192,7 @@ def test_groups_that_cannot_be_compared_say_so_and_are_no_error():
     assert notes == []
     assert found["groups"]["p"].isna().all()
     own = found["groups"].set_index(["measure", "leg", "group_a", "group_b"])["note"]
-    assert own["period_s", "all", "a", "b"] == "one animal in a group: no interval and no p"
+    assert own["period_s", "all", "a", "b"] == "one animal in both: no interval and no p"
     assert own["period_s", "all", "a", "c"] == "no animal is in both conditions: not compared"
 
 
