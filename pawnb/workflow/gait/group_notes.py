@@ -193,9 +193,16 @@ def _all_together(groups: Mapping[tuple[str, str], str], *, compared: str) -> li
     names = list(dict.fromkeys(groups.values()))
     if len(names) < 2:
         return []
+    own = {(animal, group) for (animal, _), group in groups.items()}
+    several = len(own) > len({animal for animal, _ in own})
+    mixed = (
+        f", and rows of single animals in symmetry, alternation, coupling, patterns, support_rule "
+        f"and support_shares over all {compared}s of the animal"
+    )
     return [
         f"means, intervals and patterns of phase_summary, animals and legs, and figures that name "
-        f"no {compared}, are over all {compared}s together ({', '.join(names)}). groups.csv has "
+        f"no {compared}, are over all {compared}s together ({', '.join(names)})"
+        f"{mixed if several else ''}. groups.csv has "
         f"the means of each {compared}; for the whole tables and figures of one, analyse its "
         "trials alone."
     ]

@@ -85,6 +85,8 @@ def test_strides_of_an_animal_without_partner_do_not_count(tmp_path):
     # three animals, two legs, six strides of each: 36, where 48 are there before
     assert (first["n_animals_a"], first["n_a"], first["n_b"]) == (3, 36, 36)
     assert "no other condition is given for d: left out where conditions are compared." in notes
+    (note,) = [note for note in notes if "together" in note]
+    assert "and support_shares over all conditions of the animal. groups.csv has" in note
     assert not [note for note in notes if "same animals" in note]
     assert "The design is paired (3 animals in both before and after)" in methods
 
