@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pawnb.errors import InputError, did_you_mean
+from pawnb.errors import InputError, InputWarning, did_you_mean
 from pawnb.files import read_toml
+from pawnb.input_warnings import warn_of_input
 from pawnb.io.recognise import find_format
 from pawnb.io.tables import read_cells, read_column_names
 from pawnb.schema import shown
@@ -146,6 +147,11 @@ def read_study(path: str | Path) -> Study:
     Study
         The study.
 
+    Warns
+    -----
+    InputWarning
+        If an animal has no trial.
+
     Raises
     ------
     InputError
@@ -186,6 +192,12 @@ def _from_toml(path: Path) -> Study:
             raise InputError(f"{path}: [[animals]] id {own!r}: expected an id of its own for each.")
         animals[own] = animal
     trials = [_trial(row, path, animals) for row in _rows(document, "trials", path)]
+    filmed = {trial.animal for trial in trials}
+    if idle := [animal for animal in animals if animal not in filmed]:
+        warn_of_input(
+            f"{path.name}: {', '.join(idle)} of [[animals]] have no trial in [[trials]], and count "
+            "nowhere.", InputWarning, stacklevel=4,
+        )  # fmt: skip
     legs = _section(document, "legs", path)
     if not all(isinstance(point, str) for point in legs.values()):
         raise InputError(f'{path}: [legs] is {shown(legs)}; expected leg = "name in the file".')

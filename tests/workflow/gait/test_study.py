@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.gait import pool
 from pawnb.gait.events.event_edits import EventEdits, ExcludeStride
 from pawnb.synthetic import write_deeplabcut_sample
@@ -95,6 +95,12 @@ def test_a_csv_says_the_same_and_keeps_ids_as_they_are_written(tmp_path):
     assert dict(found.trials[0].fields) == {"mass_g": 20.5, "sex": "f"}
     assert [dict(t.settings) for t in found.trials] == [{"min_stance_s": 0.02}, {}]
     assert found.compare == "condition"
+
+
+def test_an_animal_without_a_trial_is_said(study):
+    study.write_text(study.read_text() + '[[animals]]\nid = "m3"\ngroup = "lesion"\n')
+    with pytest.warns(InputWarning, match=r"m3 of \[\[animals\]\] have no trial in \[\[trials\]\]"):
+        assert len(read_study(study).trials) == 2
 
 
 def test_what_is_a_study(study, tmp_path):
