@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -19,6 +20,7 @@ SECTIONS = ("study", "gait", "legs", "animals", "trials", "species")
 COMPARED = ("group", "condition")
 _OF_TRIAL = ("file", "animal", "name", "group", "condition", "fps", "gait")
 _STUDY_COLUMNS = ("file", "animal", "name", "group", "condition")
+_OTHER_TEXT = (".tsv", ".txt", ".tab")
 _SETTING = "gait."
 _STUDY_NEEDS = "every trial needs file = ... and animal = ..."
 
@@ -84,16 +86,23 @@ class Study:
 
 
 def tell_if_meant_as_study(path: Path) -> None:
-    """Refuse a csv that names animals and is neither tracks, events nor a study.
+    """Refuse a table that names animals and is neither tracks, events nor a study.
 
     Raises
     ------
     InputError
-        Which column a study lacks.
+        Which column a study lacks, or that its name ends in another way than ``.csv``.
     """
-    if path.suffix.lower() != ".csv" or find_format(path) is not None:
+    if path.suffix.lower() not in (".csv", *_OTHER_TEXT) or find_format(path) is not None:
         return
     names = read_column_names(path, expected="a csv table")
+    if path.suffix.lower() != ".csv":
+        if {"file", "animal"} <= set(names):
+            raise InputError(
+                f"{path}: a study is a .csv; call it {path.stem}.csv (tabs between the cells are "
+                "understood)."
+            )
+        return
     events = {"leg", "event", "frame"} & set(names)
     as_study = "animal" in [name.lower() for name in names]
     if as_study and not {"file", "animal"} <= set(names) and not events:
@@ -257,8 +266,24 @@ def _trial(
                 f"{path}: {file}: {name} is {shown(value)}{hint}; expected a number or a word."
             )
     return StudyTrial(
-        path=path.parent / file, animal=animal, fps=fps, settings=settings, fields=fields, **words
+        path=_as_on_disk(path.parent / file),
+        animal=animal,
+        fps=fps,
+        settings=settings,
+        fields=fields,
+        **words,
     )
+
+
+def _as_on_disk(path: Path) -> Path:
+    """Return a path as it is on the disk, where letters such as ä may be written as two signs."""
+    if path.exists() or not path.parent.is_dir():
+        return path
+    wanted = unicodedata.normalize("NFC", path.name)
+    same = (
+        one for one in path.parent.iterdir() if wanted == unicodedata.normalize("NFC", one.name)
+    )
+    return next(same, path)
 
 
 def _compared(asked: Any, trials: list[StudyTrial], path: Path) -> str:

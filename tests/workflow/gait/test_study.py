@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import unicodedata
 
 import numpy as np
 import pandas as pd
@@ -95,6 +96,23 @@ def test_a_csv_says_the_same_and_keeps_ids_as_they_are_written(tmp_path):
     assert dict(found.trials[0].fields) == {"mass_g": 20.5, "sex": "f"}
     assert [dict(t.settings) for t in found.trials] == [{"min_stance_s": 0.02}, {}]
     assert found.compare == "condition"
+
+
+def test_names_with_umlauts_are_found_as_they_are_on_the_disk(tmp_path):
+    two_signs = unicodedata.normalize("NFD", "Mäuse 1.csv")  # as macOS writes them
+    scored(tmp_path / two_signs)
+    (tmp_path / "study.csv").write_text("file,animal\nMäuse 1.csv,Mäx\nlost.csv,m2\n")
+    one, lost = read_study(tmp_path / "study.csv").trials
+    assert one.path.exists()
+    assert lost.path == tmp_path / "lost.csv"
+
+
+@pytest.mark.parametrize("ending", ["tsv", "txt"])
+def test_a_study_under_another_ending_is_told_to_be_called_csv(tmp_path, ending):
+    path = tmp_path / f"study.{ending}"
+    path.write_text("file\tanimal\tgroup\none.csv\tm1\ta\n")
+    with pytest.raises(InputError, match=r"a study is a \.csv; call it study\.csv"):
+        run_gait(path)
 
 
 def test_an_animal_without_a_trial_is_said(study):
