@@ -16,7 +16,9 @@ from pawnb.input_warnings import hearing_input_warnings
 
 NOTES_COLUMNS = ("where", "what", "rows")
 """``where``: the trial, file or table that a note is about (empty: all of them); ``what``: the
-sentence; ``rows``: which rows of a table, the first below its header being 1."""
+sentence; ``rows``: which rows of a table, the first below its header being 1 (the note stands in
+each of them)."""
+_SPANS_TOLD = 8
 
 
 @contextmanager
@@ -78,6 +80,8 @@ def notes_table(
 
 
 def _spans(numbers: IntArray) -> str:
-    """Return whole numbers in words: ``1-3, 7``."""
+    """Return whole numbers in words: ``1-3, 7``; of very many the first, and how many more."""
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) != 1) + 1)
-    return ", ".join(f"{r[0]}-{r[-1]}" if len(r) > 1 else f"{r[0]}" for r in runs)
+    said = ", ".join(f"{r[0]}-{r[-1]}" if len(r) > 1 else f"{r[0]}" for r in runs[:_SPANS_TOLD])
+    more = sum(len(run) for run in runs[_SPANS_TOLD:])
+    return f"{said} and {more} more" if more else said

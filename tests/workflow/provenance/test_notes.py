@@ -41,6 +41,12 @@ def test_the_table_says_which_rows():
     ]
 
 
+def test_of_very_many_rows_the_first_are_named():
+    own = ["", "few", "few"] * 10  # as of three groups of which one is small
+    table = notes_table([], {"groups.csv": pd.DataFrame({"note": own})})
+    assert table["rows"].tolist() == ["2-3, 5-6, 8-9, 11-12, 14-15, 17-18, 20-21, 23-24 and 4 more"]
+
+
 def test_warnings_are_collected_and_shown():
     with warnings.catch_warnings(record=True) as shown:
         warnings.simplefilter("always")
