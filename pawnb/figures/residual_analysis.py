@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import math
 import textwrap
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from pawnb.arrays import AnyArray
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_note, make_panels, with_unit
 from pawnb.figures.style import OKABE_ITO, style
-from pawnb.gait.residuals import CURVE_COLUMNS, POOLED, analyse_residuals, named_signals
+from pawnb.gait.residuals import (
+    CURVE_COLUMNS,
+    POOLED,
+    ResidualAnalysis,
+    analyse_residuals,
+    named_signals,
+)
+from pawnb.gait.residuals.cutoffs import Signals, say_unlike
+from pawnb.gait.residuals.residual_analysis import analyse_what_is_there
 from pawnb.schema import check_columns
 
 _NOTE_LETTERS = 20
@@ -23,7 +31,7 @@ COLUMNS = ("signal", *CURVE_COLUMNS, "chosen_hz", "noise_rms", "reason")
 
 
 def build_residual_analysis_table(
-    signals: pd.DataFrame | AnyArray,
+    signals: Signals,
     *,
     fs_hz: float,
     order: int = 4,
@@ -33,7 +41,7 @@ def build_residual_analysis_table(
 
     Parameters
     ----------
-    signals : pandas.DataFrame or ndarray, shape (n,) or (n, k)
+    signals : pandas.DataFrame, pandas.Series, ndarray (n,) or (n, k), or list
         One column a signal, all in one unit; NaN where missing.
     fs_hz : float
         Sampling rate, in Hz.
@@ -47,12 +55,13 @@ def build_residual_analysis_table(
     pandas.DataFrame
         ``signal``, the curve (``cutoff_hz, residual, noise_line, in_band``) and, the same in
         each row of a signal, ``chosen_hz, noise_rms, reason``. ``pooled`` comes last where
-        there are several.
+        there are several. A signal without a run of 20 samples has no curve (NaN), and
+        ``reason`` says so; that of ``pooled`` names the signals that its cut-off does not suit.
 
     Raises
     ------
     InputError
-        If there is no signal, or one cannot be analysed.
+        If there is no signal, or none of them can be analysed.
 
     Examples
     --------
@@ -60,25 +69,25 @@ def build_residual_analysis_table(
     >>> x = 10.0 * np.sin(2 * np.pi * 2.0 * time_s) + np.random.default_rng(0).normal(size=400)
     >>> table = figures.build_residual_analysis_table(pd.DataFrame({"foot": x}), fs_hz=100.0)
     """
-    if not isinstance(signals, pd.DataFrame):
-        signals = named_signals(np.asarray(signals))
-    if signals.shape[1] == 0:
+    table = named_signals(signals)
+    if table.shape[1] == 0:
         raise InputError("residual analysis: no signal; expected at least one column.")
-    parts = {str(name): signals[[name]].to_numpy(dtype=float) for name in signals}
-    if len(parts) > 1:
-        parts[POOLED] = signals.to_numpy(dtype=float)
-    tables = []
-    for name, values in parts.items():
-        found = analyse_residuals(values, fs_hz=fs_hz, order=order, band_hz=band_hz)
-        tables.append(
-            found.curve.assign(
-                signal=name,
-                chosen_hz=found.cutoff_hz,
-                noise_rms=found.noise_rms,
-                reason=found.reason,
-            )
-        )
-    return pd.concat(tables, ignore_index=True)[list(COLUMNS)]
+    options: dict[str, Any] = {"fs_hz": fs_hz, "order": order, "band_hz": band_hz}
+    pooled = analyse_residuals(table.to_numpy(), **options)
+    if table.shape[1] == 1:
+        return _with_choice(pooled, str(table.columns[0]))
+    found = {str(name): analyse_what_is_there(table[name].to_numpy(), **options) for name in table}
+    unlike = say_unlike({name: one.cutoff_hz for name, one in found.items()}, pooled.cutoff_hz)
+    found[POOLED] = replace(pooled, reason=f"{pooled.reason}; but {unlike}") if unlike else pooled
+    return pd.concat([_with_choice(one, name) for name, one in found.items()], ignore_index=True)
+
+
+def _with_choice(found: ResidualAnalysis, name: str) -> pd.DataFrame:
+    """Return the curve of a signal with its name and what was chosen, in the order of columns."""
+    curve = found.curve.assign(
+        signal=name, chosen_hz=found.cutoff_hz, noise_rms=found.noise_rms, reason=found.reason
+    )
+    return curve[list(COLUMNS)]
 
 
 def plot_residual_analysis(
@@ -136,7 +145,9 @@ def _draw(ax: Any, own: pd.DataFrame) -> None:
     cutoff = own["cutoff_hz"].to_numpy()
     ax.plot(cutoff, own["residual"], color="black")
     ax.set_xlim(0.0, cutoff[-1])
-    ax.set_ylim(0.0, 1.05 * float(own["residual"].max()))
+    highest = float(own["residual"].max())
+    if highest > 0.0:  # not of a signal that stands still, or is hardly ever seen
+        ax.set_ylim(0.0, 1.05 * highest)
     if not math.isfinite(noise):
         _say_why(ax, str(first["reason"]))
         return
@@ -147,7 +158,7 @@ def _draw(ax: Any, own: pd.DataFrame) -> None:
     ax.plot([0.0, cutoff[-1]], [noise, noise + slope * cutoff[-1]], linestyle="--",
             color=OKABE_ITO["blue"], label="noise line")  # fmt: skip
     if noise > 0.0:
-        ax.set_ylim(0.0, min(6.0 * noise, 1.05 * float(own["residual"].max())))
+        ax.set_ylim(0.0, min(6.0 * noise, 1.05 * highest))
     if math.isfinite(chosen):
         ax.plot([0.0, chosen, chosen], [noise, noise, 0.0], color=OKABE_ITO["vermillion"],
                 linewidth=0.8)  # fmt: skip

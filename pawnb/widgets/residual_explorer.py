@@ -12,10 +12,11 @@ from matplotlib.figure import Figure
 
 from pawnb.errors import InputError
 from pawnb.figures.style import OKABE_ITO
+from pawnb.gait.residuals.cutoffs import Signals
 from pawnb.widgets.plain import Plain, picture_of_figure
 from pawnb.widgets.plot_canvas import alone, make_canvas
 from pawnb.widgets.plot_theme import fit_figure, on_screen, set_theme
-from pawnb.widgets.residual_session import ResidualSession, Signals
+from pawnb.widgets.residual_session import ResidualSession
 from pawnb.widgets.surroundings import Surroundings
 
 _RAW, _SMOOTH, _HAND = "0.7", OKABE_ITO["blue"], OKABE_ITO["vermillion"]
@@ -29,6 +30,8 @@ _CUTOFF_MARKS = {
 _RESIDUAL_SIZE_PX, _BESIDE_RESIDUAL_PX = (1000, 540), 310
 """Size of the plots before a page shows them, which is their greatest height; and height of the
 window that buttons and menus take."""
+_TYPED_DIGITS = 3
+"""Decimal places of the cut-off in the box where one can be typed."""
 _ROOM = 1.6
 """Height of a panel in ranges of its filtered signal: noise of derivatives would fill it else."""
 
@@ -79,21 +82,22 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self._canvas = make_canvas(self._figure)
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
         self._slider = widgets.FloatSlider(
-            value=self.session.cutoff_hz,
-            min=self.fs_step,
-            max=self.session.highest_hz,
-            step=self.fs_step,
-            description="cut-off (Hz)",
-            readout_format=".2f",
-            continuous_update=True,
-            layout=widgets.Layout(width="32em"),
-        )
+            value=self.session.cutoff_hz, min=self.session.lowest_hz, max=self.session.highest_hz,
+            step=self.fs_step, description="cut-off (Hz)", readout=False, continuous_update=True,
+            layout={"width": "28em"},
+        )  # fmt: skip
+        self._number = widgets.BoundedFloatText(
+            value=round(self.session.cutoff_hz, _TYPED_DIGITS),
+            min=self.session.lowest_hz, max=self.session.highest_hz, step=None,
+            layout={"width": "7em"},
+        )  # fmt: skip
         self._told = widgets.Label()
         self._told.add_class("pawnb-wrap")
         self._takers = widgets.HBox(layout={"flex_flow": "row wrap"})
         self._draw_all()
         self._choice.observe(self._on_signal, names="value")
         self._slider.observe(self._on_slider, names="value")
+        self._number.observe(self._on_number, names="value")
         self.observe(self._on_cutoff, names="cutoff_hz")
         for name, handler in (
             ("button_press_event", self._on_press),
@@ -103,7 +107,9 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             self._canvas.mpl_connect(name, handler)
         self._around.observe(self._on_room, names=["width", "height"])
         self._around.observe(lambda _: self._draw_all(), names="dark")
-        controls = widgets.HBox([self._choice, self._slider], layout={"flex_flow": "row wrap"})
+        controls = widgets.HBox(
+            [self._choice, self._slider, self._number], layout={"flex_flow": "row wrap"}
+        )
         self.children = (self._around, controls, self._takers, self._told, self._canvas)
 
     @alone
@@ -113,7 +119,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
 
     @property
     def fs_step(self) -> float:
-        """Smallest cut-off and step of the slider, Hz."""
+        """Step of the slider, Hz; what is typed, dragged or taken from a method is exact."""
         return self.session.fs_hz / 1000.0
 
     @traitlets.validate("cutoff_hz")
@@ -144,7 +150,9 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
         self._curve = ax = self._figure.add_subplot(grid[:, 0])
         cutoff, residual = (found.curve[name].to_numpy() for name in ("cutoff_hz", "residual"))
         ax.plot(cutoff, residual, color="black")
-        top = 3.0 * float(np.nanpercentile(residual, 90)) or 1.0
+        seen = residual[np.isfinite(residual)]
+        highest = float(seen.max()) if len(seen) else 0.0
+        top = 3.0 * float(np.percentile(seen, 90)) if len(seen) else 0.0
         if found.noise_rms > 0.0:  # not where no noise line was found
             top = 4.0 * found.noise_rms
             slope = np.polyfit(cutoff, found.curve["noise_line"], 1)[0]
@@ -159,8 +167,8 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
                         markeredgecolor="black", label=words, zorder=4)  # fmt: skip
         self._line = ax.axvline(session.cutoff_hz, color=_HAND, linewidth=2, label="in your hand")
         ax.set(xlabel="Cut-off (Hz)", ylabel=f"Residual, RMS{self._in('')}")
-        ax.set_xlim(0.0, cutoff[-1])
-        ax.set_ylim(0.0, min(top, 1.05 * float(np.nanmax(residual)) or 1.0))
+        ax.set_xlim(0.0, session.highest_hz)
+        ax.set_ylim(0.0, min(top, 1.05 * highest) or 1.0)
         # short numbers leave room for the label beside them
         ax.ticklabel_format(axis="y", style="sci", scilimits=(-2, 4))
         ax.legend(loc="upper right")
@@ -204,7 +212,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
                 description=f"{_CUTOFF_MARKS[name][0]}: {said}", tooltip=reason, disabled=not known,
                 layout={"width": "auto", "min_width": "16em"},
             )  # fmt: skip
-            button.on_click(lambda _, hz=chosen: setattr(self._slider, "value", hz))
+            button.on_click(lambda _, hz=chosen: setattr(self, "cutoff_hz", hz))
             buttons.append(button)
         self._takers.children = (widgets.Label("take the cut-off of"), *buttons)
 
@@ -216,7 +224,8 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
             line = self._smooth[name]
             line.set_ydata(values)
             low, high = line.axes.get_ylim()
-            if np.nanmin(values) < low or np.nanmax(values) > high:
+            seen = values[np.isfinite(values)]
+            if len(seen) and not low <= seen.min() <= seen.max() <= high:
                 _show_range(line.axes, values)
         self._told.value = self.session.text()
         set_theme(self._figure, dark=self._around.dark)
@@ -233,18 +242,23 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_signal(self, change: dict[str, Any]) -> None:
         """Show another signal."""
         self.session.show(change["new"])
-        self._slider.max = self.session.highest_hz
         self._draw_all()
 
     def _on_slider(self, change: dict[str, Any]) -> None:
-        """Take the slider's cut-off."""
-        self.cutoff_hz = self.session.set_cutoff(change["new"])
+        """Take the slider's cut-off, unless a browser only brought it to a step of the slider."""
+        if abs(change["new"] - self.cutoff_hz) > 0.501 * self.fs_step:
+            self.cutoff_hz = self.session.set_cutoff(change["new"])
+
+    def _on_number(self, change: dict[str, Any]) -> None:
+        """Take the cut-off that was typed; the one in the hand is shown rounded."""
+        if not math.isclose(change["new"], round(self.cutoff_hz, _TYPED_DIGITS), rel_tol=1e-9):
+            self.cutoff_hz = self.session.set_cutoff(change["new"])
 
     def _on_cutoff(self, change: dict[str, Any]) -> None:
         """Show the cut-off that was taken, by whomever."""
         taken = self.session.set_cutoff(change["new"])
-        if not math.isclose(self._slider.value, taken):
-            self._slider.value = taken
+        self.cutoff_hz = taken  # at least the lowest
+        self._slider.value, self._number.value = taken, round(taken, _TYPED_DIGITS)
         self._show_cutoff()
 
     def _on_press(self, event: Any) -> None:
@@ -255,7 +269,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _on_move(self, event: Any) -> None:
         """Take the cut-off under the pointer while dragging; the slider follows."""
         if self._dragging and event.inaxes is self._curve and event.xdata is not None:
-            self._slider.value = self.session.set_cutoff(float(event.xdata))
+            self.cutoff_hz = self.session.set_cutoff(float(event.xdata))
 
     def _on_release(self, _event: Any) -> None:
         """Stop dragging."""
@@ -264,6 +278,8 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
 
 def _show_range(ax: Any, values: np.ndarray) -> None:
     """Give a panel the height of its filtered signal, and some room."""
+    if not np.isfinite(values).any():
+        return
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     room = (_ROOM - 1.0) / 2.0 * (high - low)
     if room > 0.0:

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.residuals import (
@@ -16,11 +13,12 @@ from pawnb.gait.residuals import (
     ResidualAnalysis,
     analyse_residuals,
     compare_cutoffs,
+    named_signals,
+    residual_cutoffs,
 )
+from pawnb.gait.residuals.cutoffs import Signals, say_unlike
+from pawnb.gait.residuals.residual_analysis import analyse_what_is_there
 from pawnb.signals import SmoothedMotion, differentiate, smooth_motion
-
-Signals = pd.DataFrame | pd.Series | np.ndarray | Sequence[Any]
-"""Signals as they come."""
 
 
 class ResidualSession:
@@ -47,24 +45,41 @@ class ResidualSession:
         next method that has one, or else so high that next to nothing is taken away.
     begun_by : str
         The method that the first cut-off came from; empty where none had one.
+    lowest_hz, highest_hz : float
+        Lowest and highest cut-off that can be taken into the hand.
     choices : pandas.DataFrame
         What three methods would choose, see :func:`pawnb.gait.residuals.compare_cutoffs`.
 
     Raises
     ------
     InputError
-        If there is no signal, or the rate or order cannot be.
+        If there is no signal, none has 20 samples without a gap, or the rate or order cannot be.
     """
 
     def __init__(self, signals: Signals, *, fs_hz: float, order: int = 4) -> None:
-        signals = _as_table(signals)
-        self._signals, self.fs_hz, self.order = signals, fs_hz, order
-        self.names = tuple(str(name) for name in signals)
-        self.choices = compare_cutoffs(signals, fs_hz=fs_hz, order=order)
+        table = named_signals(signals)
+        self._signals, self.fs_hz, self.order = table, fs_hz, order
+        self.names = tuple(str(name) for name in table)
+        self.choices = compare_cutoffs(table, fs_hz=fs_hz, order=order)
+        if not self.choices["n_samples"].any():
+            analyse_residuals(table.to_numpy(), fs_hz=fs_hz, order=order)  # says why it cannot
         self.name = self.names[0]
         self._found: dict[str, ResidualAnalysis] = {}
+        tried_hz = residual_cutoffs(fs_hz, order=order)
+        self.lowest_hz = float(tried_hz[0])
+        self.highest_hz = float(np.nanmax([tried_hz[-1], *self.choices["cutoff_hz"]]))
         self.begun_by, self.cutoff_hz = self._first_choice()
-        self._begun_hz = self.cutoff_hz
+        self._begun_hz, self._unlike = self.cutoff_hz, self._say_unlike()
+
+    def _say_unlike(self) -> str:
+        """Name the signals that the first cut-off, of all signals pooled, does not suit."""
+        own = self.choices[
+            (self.choices["method"] == self.begun_by) & (self.choices["signal"] != POOLED)
+        ]
+        if len(own) < 2:
+            return ""
+        by_name = dict(zip(own["signal"], own["cutoff_hz"], strict=True))
+        return say_unlike(by_name, self.cutoff_hz)
 
     def _first_choice(self) -> tuple[str, float]:
         """Return the first method that has a cut-off over all signals, and the cut-off."""
@@ -73,11 +88,6 @@ class ResidualSession:
         if len(own):
             return str(own["method"].iloc[0]), float(own["cutoff_hz"].iloc[0])
         return "", self.highest_hz
-
-    @property
-    def highest_hz(self) -> float:
-        """Highest cut-off that the residual curve reaches."""
-        return float(self.residuals().curve["cutoff_hz"].iloc[-1])
 
     def show(self, name: str) -> None:
         """Show another signal; raises InputError for an unknown one."""
@@ -92,8 +102,7 @@ class ResidualSession:
         """Take another cut-off into the hand, within what the filter can do; return it."""
         if not math.isfinite(cutoff_hz):
             raise InputError(f"cutoff_hz is {cutoff_hz}; expected a number.")
-        lowest = float(self.residuals().curve["cutoff_hz"].iloc[0])
-        self.cutoff_hz = float(np.clip(cutoff_hz, lowest, self.highest_hz))
+        self.cutoff_hz = float(np.clip(cutoff_hz, self.lowest_hz, self.highest_hz))
         return self.cutoff_hz
 
     @property
@@ -107,9 +116,9 @@ class ResidualSession:
         return np.arange(len(self.signal)) / self.fs_hz
 
     def residuals(self) -> ResidualAnalysis:
-        """Return the residual curve of the signal that is shown."""
+        """Return the residual curve of the signal that is shown; NaN where it is hardly seen."""
         if self.name not in self._found:
-            found = analyse_residuals(self.signal, fs_hz=self.fs_hz, order=self.order)
+            found = analyse_what_is_there(self.signal, fs_hz=self.fs_hz, order=self.order)
             self._found[self.name] = found
         return self._found[self.name]
 
@@ -141,29 +150,11 @@ class ResidualSession:
                 if self.begun_by
                 else "No method has one; at this cut-off next to nothing is taken away."
             )
+        if self.cutoff_hz == self._begun_hz and self._unlike:
+            told.append(f"But {self._unlike}.")
         told += [
             f"{method}: {reason}"
             for method, (cutoff_hz, reason) in self.chosen().items()
             if not math.isfinite(cutoff_hz)
         ]
         return " ".join(told)
-
-
-def _as_table(signals: Signals) -> pd.DataFrame:
-    """Return signals as a table, a column each, named where they have no names."""
-    if isinstance(signals, pd.DataFrame):
-        # a column is found by its name, whatever type that has
-        return signals.set_axis([str(name) for name in signals], axis=1)
-    if isinstance(signals, pd.Series):
-        return signals.to_frame("signal 1" if signals.name is None else str(signals.name))
-    try:
-        values = np.asarray(signals, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(
-            "these signals are no table of numbers; give an array (n,) or (n, k), a list of "
-            "numbers, a Series or a DataFrame."
-        ) from None
-    if values.ndim not in (1, 2):
-        raise InputError(f"signals have {values.ndim} dimensions; expected time and signal.")
-    flat = values.reshape(len(values), -1)
-    return pd.DataFrame(flat, columns=[f"signal {k + 1}" for k in range(flat.shape[1])])

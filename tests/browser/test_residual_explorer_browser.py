@@ -17,7 +17,17 @@ w = ResidualExplorer(signals, fs_hz=100.0, unit="mm")
 w""")
     page = notebook.page
     page.locator(".jupyter-matplotlib canvas").first.wait_for(timeout=30_000)
-    before = notebook.py("w.cutoff_hz")
+    # what is in the hand is what was found, not the nearest step of the slider
+    notebook.wait_idle()
+    page.wait_for_timeout(1000)
+    found = notebook.py("w.session.chosen()['residual'][0]")
+    assert notebook.py("[w.cutoff_hz, w.session.cutoff_hz]") == [found, found]
+    page.locator("input[type=number]").last.fill("12.3456")
+    page.keyboard.press("Enter")
+    notebook.until("w.cutoff_hz", 12.3456, seconds=30)
+    page.locator("button.jupyter-button", has_text="residual analysis").last.click()
+    notebook.until("w.cutoff_hz", found, seconds=30)
+    before = found
     track = page.locator(".widget-slider .noUi-base").first
     track.scroll_into_view_if_needed()
     box = track.bounding_box()

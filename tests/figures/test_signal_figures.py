@@ -95,6 +95,24 @@ def test_residual_figure_says_why_a_stride_of_few_frames_has_no_cutoff():
     assert said in table["reason"].iloc[0]
 
 
+def test_a_foot_that_is_hardly_seen_does_not_hide_the_others():
+    seen = signals().iloc[:, 0]
+    rare = seen.where(np.arange(len(seen)) % 15 > 0)  # a gap after every 14 samples
+    both = pd.DataFrame({"FL": rare, "FR": seen, "HR": np.nan, "HL": 3.0})
+    table = build_residual_analysis_table(both, fs_hz=FS)
+    first = table.groupby("signal", sort=False).first()
+    assert first.index.tolist() == ["FL", "FR", "HR", "HL", "pooled"]
+    assert first.loc["FL", "reason"] == "no cut-off: no run of 20 samples without a gap"
+    assert first.loc["HR", "reason"].startswith("no cut-off: no value in any frame")
+    assert first.loc["FR", "chosen_hz"] == analyse_residuals(seen.to_numpy(), fs_hz=FS).cutoff_hz
+    figure = plot_residual_analysis(table).figure
+    said = [ax.texts[0].get_text().replace("\n", " ") for ax in figure.axes]
+    assert said[0] == "no cut-off: no run of 20 samples without a gap"
+    assert said[1] == f"cut-off {first.loc['FR', 'chosen_hz']:.2f} Hz"
+    with pytest.raises(InputError, match=r"^residual analysis: no run of 20 samples without a gap"):
+        build_residual_analysis_table(both[["FL"]], fs_hz=FS)
+
+
 def test_one_axes_for_several_signals_is_refused():
     table = build_residual_analysis_table(signals(), fs_hz=FS)
     _, ax = plt.subplots()

@@ -70,6 +70,26 @@ def test_cutoffs_stay_within_what_the_filter_can_do():
         session.show("c")
 
 
+def test_a_foot_that_is_hardly_seen_can_be_shown_beside_the_others():
+    gaps = SIGNALS["a"].where(np.arange(400) % 15 > 0)
+    session = ResidualSession(pd.DataFrame({"FL": gaps, "FR": SIGNALS["a"]}), fs_hz=FS)
+    # the pooled samples are those of FR alone, as FL has no run of 20
+    own = analyse_residuals(SIGNALS["a"].to_numpy(), fs_hz=FS)
+    assert session.cutoff_hz == pytest.approx(own.cutoff_hz)
+    assert session.residuals().curve["residual"].isna().all()
+    assert "residual: no cut-off: no run of 20 samples" in session.text()
+    with pytest.raises(InputError, match=r"no run of 20 samples without a gap; expected at least"):
+        ResidualSession(gaps, fs_hz=FS)
+
+
+def test_a_cutoff_that_one_noisy_foot_sets_is_said_where_it_is_taken():
+    noisy = SIGNALS["b"] + 8.0 * np.random.default_rng(5).standard_normal(400)
+    session = ResidualSession(pd.DataFrame({"FR": SIGNALS["a"], "FL": noisy}), fs_hz=FS)
+    assert "But by itself FR " in session.text()
+    session.set_cutoff(9.0)
+    assert "But by itself" not in session.text()
+
+
 class Mouse:
     """What matplotlib tells of the pointer."""
 
@@ -104,6 +124,16 @@ def test_slider_line_and_curves_go_together():
     taker.click()
     assert explorer.cutoff_hz == pytest.approx(explorer.session.chosen()["residual"][0], abs=0.05)
     assert explorer._line.get_xdata()[0] == explorer.cutoff_hz
+    assert taker.description.endswith(f"{explorer.cutoff_hz:.2f} Hz")
+    # a browser brings a slider to its steps, which nobody asked for
+    taken, step = explorer.cutoff_hz, explorer.fs_step
+    explorer._slider.value = round(taken / step) * step
+    assert explorer.cutoff_hz == explorer.session.cutoff_hz == taken
+    explorer._slider.value += 2 * step
+    assert explorer.cutoff_hz == explorer._slider.value
+    assert explorer._number.value == pytest.approx(explorer.cutoff_hz, abs=0.001)
+    explorer._number.value = 12.3456
+    assert explorer.cutoff_hz == explorer._line.get_xdata()[0] == 12.3456
     labels = [ax.get_ylabel() for ax in explorer._figure.axes[1:]]
     assert labels == ["position (mm)", "velocity (mm/s)", "acceleration (mm/s²)"]
     explorer._choice.value = "b"
@@ -153,4 +183,15 @@ def test_the_cutoff_is_a_trait_that_is_checked_observed_and_followed():
             explorer.cutoff_hz = wrong
     assert explorer.cutoff_hz == 9.5
     assert "cutoff_hz" in explorer.get_state()  # so that jslink finds it
+    explorer.close()
+
+
+@pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
+def test_a_foot_without_a_curve_is_drawn_without_one():
+    explorer = ResidualExplorer(
+        pd.DataFrame({"FR": SIGNALS["a"], "HL": np.nan, "HR": 3.0}), fs_hz=FS
+    )
+    for name in ("HL", "HR", "FR"):
+        explorer._choice.value = name
+        assert explorer._told.value.startswith(f"{name}: cut-off ")
     explorer.close()

@@ -8,6 +8,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.signal import detrend
 
 from pawnb.arrays import FloatArray
 from pawnb.signals import find_runs
@@ -19,6 +20,10 @@ LEAST_SAMPLES = 20
 
 NO_CUTOFF = "no cut-off: "
 """How the reason begins where there is none."""
+STRAIGHT_LINE = "the signal is a straight line"
+"""Why there is nothing to filter."""
+_ROUNDING_SHARE = 1e-12
+"""Share of the largest value up to which differences from a straight line are rounding."""
 
 
 class Choice(NamedTuple):
@@ -59,6 +64,42 @@ def find_long_runs(x: FloatArray) -> list[FloatArray]:
             if stop - start >= LEAST_SAMPLES:
                 by_length.setdefault(stop - start, []).append(column[start:stop])
     return [np.column_stack(runs) for runs in by_length.values()]
+
+
+def why_no_runs(x: FloatArray) -> str:
+    """Say why signals have no run that is long enough.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, ...)
+        Signals; NaN where missing.
+
+    Returns
+    -------
+    str
+        What was found.
+    """
+    if not np.isfinite(np.asarray(x, dtype=float)).any():
+        return "no value in any frame (of tracks without calibration, image_position has them)"
+    return f"no run of {LEAST_SAMPLES} samples without a gap"
+
+
+def are_straight(runs: list[FloatArray]) -> bool:
+    """Tell whether all runs are straight lines, or stand still: there is nothing to filter.
+
+    Parameters
+    ----------
+    runs : list of ndarray, shape (m, k)
+        From :func:`find_long_runs`.
+
+    Returns
+    -------
+    bool
+        Whether they are.
+    """
+    largest = max(float(np.abs(run).max()) for run in runs)
+    off = max(float(np.abs(detrend(run, axis=0)).max()) for run in runs)
+    return off <= _ROUNDING_SHARE * largest
 
 
 def _square_sum(runs: list[FloatArray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:

@@ -7,6 +7,8 @@ takes away (Challis 1999).
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,13 +16,15 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.residuals.cutoff_scores import (
-    LEAST_SAMPLES,
     NO_CUTOFF,
+    STRAIGHT_LINE,
     Choice,
+    are_straight,
     cross_validate,
     find_long_runs,
     find_whitest,
     residual_rms,
+    why_no_runs,
 )
 from pawnb.gait.residuals.residual_analysis import (
     DOUBT,
@@ -36,9 +40,16 @@ CUTOFF_COLUMNS = (
 )  # fmt: skip
 POOLED = "pooled"
 
+Signals = pd.DataFrame | pd.Series | FloatArray | Sequence[Any]
+"""Signals as they come: one column each, all in one unit."""
+_UNLIKE = 2.0
+"""Set by hand: how many times higher or lower than the pooled cut-off one signal's own must be
+before it is said. Paws of a rat, a mouse from below and two mice on beams and belts: 0.8 to 1.5
+times by residual analysis; where one of three paws had 30 times the noise: 2.4 and 6.4."""
+
 
 def compare_cutoffs(
-    signals: pd.DataFrame | FloatArray,
+    signals: Signals,
     *,
     fs_hz: float,
     order: int = 4,
@@ -54,7 +65,7 @@ def compare_cutoffs(
 
     Parameters
     ----------
-    signals : pandas.DataFrame or ndarray, shape (n,) or (n, k)
+    signals : pandas.DataFrame, pandas.Series, ndarray (n,) or (n, k), or list
         One column a signal, all in one unit; NaN where missing. Angles must be unwrapped.
     fs_hz : float
         Sampling rate, in Hz.
@@ -69,7 +80,8 @@ def compare_cutoffs(
         ``CUTOFF_COLUMNS``: three rows a signal, then three named ``pooled`` where there are
         several. ``cutoff_hz`` is NaN where no choice was possible, and ``reason`` says why;
         ``residual_rms`` is what the filter takes away at that cut-off, ``noise_rms`` the
-        noise estimated by the method itself (NaN for autocorrelation).
+        noise estimated by the method itself (NaN for autocorrelation). The reason of a pooled
+        cut-off names the signals for which it is far too low or too high.
 
     Raises
     ------
@@ -77,42 +89,86 @@ def compare_cutoffs(
         If the rate, order or band cannot be, there is no signal, or two have one name.
     """
     residual_cutoffs(fs_hz, order=order)  # refuses rates and orders that cannot be
-    table = signals if isinstance(signals, pd.DataFrame) else named_signals(np.asarray(signals))
+    table = named_signals(signals)
     if table.shape[1] == 0 or not table.columns.is_unique:
         raise InputError("signals: expected at least one column, each with its own name.")
-    parts = {str(name): table[[name]].to_numpy(dtype=float) for name in table}
+    parts = {name: table[[name]].to_numpy() for name in table}
     if len(parts) > 1:
-        parts[POOLED] = table.to_numpy(dtype=float)
-    rows = []
+        parts[POOLED] = table.to_numpy()
+    rows: list[tuple[Any, ...]] = []
     for name, values in parts.items():
         runs = find_long_runs(values)
         n = sum(run.size for run in runs)
-        found = _choose_all(runs, fs_hz=fs_hz, order=order, band_hz=band_hz)
+        found = _choose_all(values, runs, fs_hz=fs_hz, order=order, band_hz=band_hz)
         for method in CUTOFF_METHODS:
             choice, left = _kept(found[method], runs, fs_hz=fs_hz, order=order)
-            given = (choice.cutoff_hz, left, choice.noise_rms, n, choice.reason)
+            own = {row[0]: row[2] for row in rows if row[1] == method}
+            unlike = say_unlike(own, choice.cutoff_hz) if name == POOLED else ""
+            reason = f"{choice.reason}; but {unlike}" if unlike else choice.reason
+            given = (choice.cutoff_hz, left, choice.noise_rms, n, reason)
             rows.append((name, method, *given, ESTIMATE_WARNING))
     return pd.DataFrame(rows, columns=list(CUTOFF_COLUMNS))
 
 
-def named_signals(values: FloatArray) -> pd.DataFrame:
-    """Return signals without names as a table.
+def say_unlike(own_hz: Mapping[str, float], pooled_hz: float) -> str:
+    """Name the signals for which a cut-off pooled over all is far too low or too high.
 
     Parameters
     ----------
-    values : ndarray, shape (n,) or (n, k)
-        The signals.
+    own_hz : mapping of str to float
+        The cut-off of each signal by itself, in Hz; NaN where it has none.
+    pooled_hz : float
+        The cut-off of all of them pooled, in Hz; NaN where there is none.
+
+    Returns
+    -------
+    str
+        The sentence, without its end; empty where it suits all.
+    """
+    odd = {
+        name: hz
+        for name, hz in own_hz.items()
+        if hz >= _UNLIKE * pooled_hz or hz * _UNLIKE <= pooled_hz
+    }
+    if not odd:
+        return ""
+    named = ", ".join(f"{name} {hz:.3g} Hz" for name, hz in odd.items())
+    return (
+        f"by itself {named}: one cut-off does not suit all of these signals, so leave "
+        "out the noisy ones or filter them apart"
+    )
+
+
+def named_signals(signals: Signals) -> pd.DataFrame:
+    """Return signals as a table of numbers, a column each, named where they have no names.
+
+    Parameters
+    ----------
+    signals : pandas.DataFrame, pandas.Series, ndarray or list
+        One column a signal; an array is (n,) or (n, k).
 
     Returns
     -------
     pandas.DataFrame
-        ``signal 1`` and so on.
+        Numbers; columns are named by text, ``signal 1`` and so on where they had no name.
 
     Raises
     ------
     InputError
-        If there are more than two dimensions, or none.
+        If these are no numbers, or there are more than two dimensions, or none.
     """
+    if isinstance(signals, pd.Series):
+        signals = signals.to_frame("signal 1" if signals.name is None else str(signals.name))
+    try:
+        if isinstance(signals, pd.DataFrame):
+            # a column is found by its name, whatever type that has
+            return signals.set_axis([str(name) for name in signals], axis=1).astype(float)
+        values = np.asarray(signals, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(
+            "these signals are no table of numbers; give an array (n,) or (n, k), a list of "
+            "numbers, a Series or a DataFrame."
+        ) from None
     if values.ndim not in (1, 2):
         raise InputError(f"signals have {values.ndim} dimensions; expected time and signal.")
     flat = values.reshape(len(values), -1)
@@ -120,12 +176,19 @@ def named_signals(values: FloatArray) -> pd.DataFrame:
 
 
 def _choose_all(
-    runs: list[FloatArray], *, fs_hz: float, order: int, band_hz: tuple[float, float] | None
+    values: FloatArray,
+    runs: list[FloatArray],
+    *,
+    fs_hz: float,
+    order: int,
+    band_hz: tuple[float, float] | None,
 ) -> dict[str, Choice]:
     """Return the choice of every method."""
-    if not runs:
-        none = f"{NO_CUTOFF}no run of {LEAST_SAMPLES} samples without a gap"
-        return dict.fromkeys(CUTOFF_METHODS, Choice(math.nan, math.nan, none))
+    none = "" if runs else why_no_runs(values)
+    if runs and are_straight(runs):
+        none = STRAIGHT_LINE
+    if none:
+        return dict.fromkeys(CUTOFF_METHODS, Choice(math.nan, math.nan, f"{NO_CUTOFF}{none}"))
     validated = cross_validate(runs, fs_hz=fs_hz, order=order)
     found = analyse_runs(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=validated)
     return {

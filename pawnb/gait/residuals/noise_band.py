@@ -30,7 +30,12 @@ def find_noise_band(cutoffs: FloatArray, residual: FloatArray) -> tuple[int, int
 
 def given_band(cutoffs: FloatArray, band_hz: tuple[float, float]) -> tuple[int, int]:
     """Return first and one past the last point within a band given in Hz."""
-    low, high = band_hz
+    try:
+        low, high = (float(end) for end in band_hz)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"band_hz is {band_hz!r}; expected two frequencies in Hz, such as (20, 40)."
+        ) from None
     first, last = (int(k) for k in np.searchsorted(cutoffs, [low, high]))
     if not 0.0 <= low < high or last - first < 3:
         raise InputError(

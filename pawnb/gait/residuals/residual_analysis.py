@@ -13,17 +13,19 @@ import numpy as np
 import pandas as pd
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
-from scipy.signal import detrend
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.residuals.cutoff_scores import (
     LEAST_SAMPLES,
     NO_CUTOFF,
+    STRAIGHT_LINE,
     Choice,
+    are_straight,
     cross_validate,
     find_long_runs,
     residual_rms,
+    why_no_runs,
 )
 from pawnb.gait.residuals.noise_band import find_noise_band, given_band
 from pawnb.signals import two_pass_correction
@@ -133,12 +135,40 @@ def analyse_residuals(
     InputError
         If the rate, order or band cannot be, or no run has 20 samples.
     """
+    found = analyse_what_is_there(x, fs_hz=fs_hz, order=order, band_hz=band_hz)
+    if found.curve["residual"].isna().all():
+        raise InputError(
+            f"residual analysis: {why_no_runs(x)}; expected at least one run of {LEAST_SAMPLES}: "
+            "fill the gaps or leave this signal out."
+        )
+    return found
+
+
+def analyse_what_is_there(
+    x: FloatArray,
+    *,
+    fs_hz: float,
+    order: int = 4,
+    band_hz: tuple[float, float] | None = None,
+) -> ResidualAnalysis:
+    """Choose a cut-off as :func:`analyse_residuals` does; say so where there is too little of it.
+
+    Parameters
+    ----------
+    x, fs_hz, order, band_hz
+        As there.
+
+    Returns
+    -------
+    ResidualAnalysis
+        The same; where no run is long enough the residual is NaN and ``reason`` says why, so
+        that one signal that is hardly ever seen does not keep the others from being looked at.
+    """
+    cutoffs = residual_cutoffs(fs_hz, order=order)
     runs = find_long_runs(x)
     if not runs:
-        raise InputError(
-            f"residual analysis: no run of {LEAST_SAMPLES} samples without a gap; expected at "
-            "least one: fill the gaps or leave this signal out."
-        )
+        nothing = np.full(len(cutoffs), math.nan)
+        return _nothing(cutoffs, nothing, f"{NO_CUTOFF}{why_no_runs(x)}")
     return analyse_runs(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=None)
 
 
@@ -173,8 +203,8 @@ def analyse_runs(
     cutoffs = residual_cutoffs(fs_hz, order=order)
     residual = np.array([residual_rms(runs, c, fs_hz=fs_hz, order=order) for c in cutoffs])
     scale = max(float(np.ptp(run, axis=0).max()) for run in runs)
-    if max(float(np.abs(detrend(run, axis=0)).max()) for run in runs) <= 1e-12 * scale:
-        return _nothing(cutoffs, residual, f"{NO_CUTOFF}the signal is a straight line")
+    if are_straight(runs):
+        return _nothing(cutoffs, residual, f"{NO_CUTOFF}{STRAIGHT_LINE}")
     if band_hz is not None:
         ends = given_band(cutoffs, band_hz)
         said = "in the band given"

@@ -216,11 +216,31 @@ def test_pooled_lies_between_the_signals():
     assert (cutoff["pooled"] < cutoff["quiet"]).all()
 
 
+def test_a_pooled_cutoff_that_one_noisy_foot_sets_says_so():
+    # the movement is the same, so the cut-off of two alike feet is that of each
+    _, quiet = two_waves(sd=0.05)
+    _, like = two_waves(sd=0.05, seed=1)
+    _, loud = two_waves(sd=15.0, seed=2)
+    alike = compare_cutoffs(pd.DataFrame({"FR": quiet, "HR": like}), fs_hz=FS)
+    assert not alike["reason"].str.contains("but by itself").any()
+    table = compare_cutoffs(pd.DataFrame({"FR": quiet, "HR": like, "FL": loud}), fs_hz=FS)
+    table = table.set_index(["signal", "method"])
+    pooled, own = table.loc[("pooled", "residual")], table.loc[("FR", "residual")]
+    assert pooled["cutoff_hz"] < 0.5 * own["cutoff_hz"]
+    assert f"; but by itself FR {own['cutoff_hz']:.3g} Hz, HR " in pooled["reason"]
+    assert "one cut-off does not suit all" in pooled["reason"]
+    assert "but" not in own["reason"]
+
+
 def test_no_choice_is_said_in_words():
     rng = np.random.default_rng(5)
     still = compare_cutoffs(np.linspace(0, 1, 80), fs_hz=FS).set_index("method")
     assert np.isnan(still.loc["residual", "cutoff_hz"])
     assert still.loc["residual", "reason"] == "no cut-off: the signal is a straight line"
+    for held in (np.full(80, 3.0), np.zeros(80), np.linspace(0, 1, 80)):  # a foot in whole px
+        rows = compare_cutoffs(held, fs_hz=FS)
+        assert set(rows["reason"]) == {"no cut-off: the signal is a straight line"}
+        assert rows[["cutoff_hz", "residual_rms", "noise_rms"]].isna().all(axis=None)
     noise = compare_cutoffs(rng.standard_normal(300), fs_hz=FS).set_index("method")
     assert np.isnan(noise.loc["residual", "cutoff_hz"])
     assert noise.loc["residual", "reason"].startswith("no cut-off: ")
@@ -239,6 +259,9 @@ def test_no_choice_is_said_in_words():
         (lambda x: analyse_residuals(x, fs_hz=FS, order=3), r"^order is 3; expected an even"),
         (lambda x: compare_cutoffs(x, fs_hz=-1.0), r"^fs_hz is -1\.0; expected a sampling rate"),
         (lambda x: compare_cutoffs(pd.DataFrame(), fs_hz=FS), r"^signals: expected at least one"),
+        (lambda x: compare_cutoffs(["a", "b"], fs_hz=FS), r"^these signals are no table of numb"),
+        (lambda x: analyse_residuals(x, fs_hz=FS, band_hz=20.0), r"^band_hz is 20\.0; expected"),
+        (lambda x: analyse_residuals(x * np.nan, fs_hz=FS), r"no value in any frame .*image_pos"),
         (lambda x: compare_cutoffs(x.reshape(4, 5, 30), fs_hz=FS), r"^signals have 3 dimensions"),
     ],
 )  # fmt: skip
