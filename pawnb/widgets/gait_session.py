@@ -15,9 +15,11 @@ from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals
 from pawnb.gait.events.event_edits import (
     AddEvent,
     DeleteEvent,
+    EventEdit,
     EventEdits,
     ExcludeStride,
     MoveEvent,
+    describe_edit,
     describe_left_out,
 )
 from pawnb.gait.legs import sort_legs
@@ -73,7 +75,7 @@ class GaitSession:
         self.stride: tuple[str, float] | None = None
         self.event: tuple[str, str, float] | None = None
         self.place_s: float | None = None
-        self._found = tables
+        self._found, self._kept = tables, path is not None
         self._missed = ""
         self.show(*self.trials[0])
 
@@ -94,7 +96,7 @@ class GaitSession:
         self.pairs: tuple[tuple[str, str], ...] = tuple(own)
         self.pair = self.pairs[0] if self.pairs else (self.all_legs[0], self.all_legs[-1])
         self._leg = self.pair[0]
-        self.stride = self.event = None
+        self.stride = self.event = self.place_s = None
         self._missed = ""
 
     def show_legs(self, legs: Sequence[str]) -> None:
@@ -108,7 +110,10 @@ class GaitSession:
         """Show the phases of another pair; raises InputError where it has none."""
         if (leg, reference) not in self.pairs:
             raise InputError(f"the phase of {leg} to {reference} was not measured.")
+        before = self.shown_leg
         self.pair, self._leg = (leg, reference), leg
+        if self.shown_leg != before:  # what is picked is of a signal that is no longer shown
+            self.event = self.place_s = None
 
     def _of_trial(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of the trial that is shown."""
@@ -169,7 +174,7 @@ class GaitSession:
         """Pick the stride of a leg at a time; None where there is none that counts."""
         row = self._stride_at(leg, time_s)
         self.stride = None if row is None else (leg, float(row["start_s"]))
-        self.event, self._leg = None, leg
+        self.event, self.place_s, self._leg = None, None, leg
         self._missed = "" if row is not None else self._why_none(leg, time_s)
         return self.stride
 
@@ -318,15 +323,20 @@ class GaitSession:
 
     def undo(self) -> None:
         """Take the last correction back; raises InputError where there is none."""
+        done = self.edits.active[-1:]
         self.edits.undo()
-        self.event = self.place_s = None
-        self._keep_stride()
+        self._after_step("taken back", done)
 
     def redo(self) -> None:
         """Make the last undone correction again; raises InputError where there is none."""
         self.edits.redo()
+        self._after_step("made again", self.edits.active[-1:])
+
+    def _after_step(self, what: str, done: Sequence[EventEdit]) -> None:
+        """Say which correction was taken back or made again: it may be of a trial not shown."""
         self.event = self.place_s = None
         self._keep_stride()
+        self._missed = f"{what}: {describe_edit(done[0])}"
 
     def _needed_event(self) -> tuple[str, str, float]:
         """Return the event that is picked."""
@@ -347,6 +357,8 @@ class GaitSession:
         """Say what is picked, and how many corrections there are."""
         n = len(self.edits.active)
         said = [f"{n} correction{'s' * (n != 1)}"]
+        if n and not self._kept:
+            said.append("kept nowhere, as no file was given: GaitExplorer(gait, file)")
         if self.edits.left_out:
             said.append(f"left out, as they fit no event: {describe_left_out(self.edits.left_out)}")
         if (stride := self.picked()) is not None:

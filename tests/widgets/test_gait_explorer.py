@@ -116,6 +116,52 @@ def test_legs_and_pairs_are_chosen(spider):
         session.show_legs([])
 
 
+def test_what_is_picked_goes_with_the_signal_that_it_was_picked_in(spider, tables):
+    session = GaitSession(spider)
+    first = session.leg_events.iloc[3]
+    picked = session.pick_event(first["time_s"], within_s=1e-6, kinds=[first["event"]])
+    assert picked[0] == session.shown_leg == "L1"
+    session.show_pair("L1", "R1")  # the same leg: it stays
+    assert session.event == picked
+    session.show_pair("L3", "L4")  # Delete would take away an event of L1 behind the signal of L3
+    assert session.shown_leg == "L3"
+    assert session.event is None
+    # a place beside all events of one leg is none of another leg, or of another trial
+    session.pick_event(first["time_s"] + 0.001, within_s=0.0)
+    assert session.place_s is not None
+    session.pick("R2", first["time_s"])
+    assert session.place_s is None
+    two = GaitSession(tables)
+    two.pick_event(0.31, within_s=0.0)
+    two.show("m1", "t2")
+    assert two.place_s is None
+    with pytest.raises(InputError, match="pick a place first"):
+        two.add_event("AEP")
+
+
+def test_what_undo_takes_back_is_said_as_it_may_be_of_another_trial(tables, tmp_path):
+    session = GaitSession(tables, tmp_path / "event_edits.jsonl")
+    session.pick("R1", 0.45)
+    session.pick_event(0.52, within_s=0.01)
+    session.move_event(0.5)
+    session.show("m1", "t2")
+    session.undo()
+    assert session.text() == "0 corrections; taken back: moved PEP of R1 at 0.520 s (m1, t1)."
+    session.redo()
+    assert session.text() == "1 correction; made again: moved PEP of R1 at 0.520 s (m1, t1)."
+    session.pick("R1", 0.4)
+    assert "made again" not in session.text()
+    assert "kept nowhere" not in session.text()
+
+
+def test_corrections_that_no_file_keeps_say_so(tables):
+    session = GaitSession(tables)
+    assert "kept nowhere" not in session.text()  # nothing to lose yet
+    session.pick("R1", 0.45)
+    session.exclude_stride("turned")
+    assert session.text().startswith("1 correction; kept nowhere, as no file was given: ")
+
+
 def test_what_is_not_picked_cannot_be_corrected(tables):
     session = GaitSession(tables)
     with pytest.raises(InputError, match="pick a stride first"):
@@ -292,7 +338,8 @@ def test_a_stride_that_does_not_count_says_why(tables):
     session.pick("R1", 5.0)
     assert "R1 has no whole stride at 5.000 s" in session.text()
     session.undo()
-    assert session.text() == "0 corrections."
+    said = "0 corrections; taken back: excluded stride of R1 at 0.400 s (m1, t1)."
+    assert session.text() == said
 
 
 @pytest.mark.filterwarnings(FROM_IPYMPL)

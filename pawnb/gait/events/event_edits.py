@@ -315,13 +315,21 @@ def describe_kinds(edits: Sequence[EventEdit]) -> str:
 
 def describe_left_out(edits: Sequence[EventEdit]) -> str:
     """Return how many corrections do not fit, and which the first is, in words."""
-    first = edits[0]
+    return f"{len(edits)} (the first is of the {_describe_place(edits[0])})"
+
+
+def describe_edit(edit: EventEdit) -> str:
+    """Return one correction in words: what was done to what."""
+    done = next(done for kind, _, done in _KIND_WORDS if isinstance(edit, kind))
+    return f"{done} {_describe_place(edit)} ({edit.animal}, {edit.trial})"
+
+
+def _describe_place(edit: EventEdit) -> str:
+    """Return what a correction is about, its leg and time, in words."""
     what, at_s = (
-        ("stride", first.start_s)
-        if isinstance(first, ExcludeStride)
-        else (first.event, first.time_s)
+        ("stride", edit.start_s) if isinstance(edit, ExcludeStride) else (edit.event, edit.time_s)
     )
-    return f"{len(edits)} (the first is of the {what} of {first.leg} at {at_s:.3f} s)"
+    return f"{what} of {edit.leg} at {at_s:.3f} s"
 
 
 def _apply(
