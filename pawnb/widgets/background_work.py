@@ -4,13 +4,47 @@ from __future__ import annotations
 
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.workbench_parts import ROW
+from pawnb.workflow.progress import Progress, progress_bar
+
+
+@contextmanager
+def said_in_status(canvas: Any, doing: str) -> Iterator[Progress | None]:
+    """Say in a canvas how far something is that it waits for; before it is shown, by a bar.
+
+    Parameters
+    ----------
+    canvas : FrameCanvas
+        Its ``status`` is as it was when the block has ended; it has none before it is shown.
+    doing : str
+        What is being done.
+
+    Yields
+    ------
+    callable or None
+        ``progress(done, total)``; None where nobody would see a bar.
+    """
+    before, words = canvas.status, doing.capitalize()
+    if not before:
+        with progress_bar(doing) as bar:
+            yield bar
+        return
+
+    def tell(done: int, total: int) -> None:
+        canvas.status = f"{words}: {100 * done // total} %."
+
+    tell(0, 1)
+    try:
+        yield tell
+    finally:
+        canvas.status = before
 
 
 class BackgroundWork(widgets.HBox):  # type: ignore[misc]

@@ -18,6 +18,7 @@ from pawnb.core.video import ViewSet, open_views
 from pawnb.core.video.doubts.exchanged_films import film_code
 from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial
+from pawnb.widgets.background_work import said_in_status
 from pawnb.widgets.click_initialiser import trial_span
 from pawnb.widgets.fit_layers import FitLayers
 from pawnb.widgets.frame_canvas import NO_PLACING, FrameCanvas, Overlay
@@ -31,6 +32,8 @@ from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR, StickPose
 from pawnb.widgets.stick_session import StickSession
 from pawnb.workflow.calibration.scale import write_scale
 from pawnb.workflow.start.propose_pose import (
+    ANIMAL_WORDS,
+    SCENE_WORDS,
     PoseStart,
     pose_view,
     propose_pose_in_views,
@@ -201,15 +204,18 @@ class StickPoser(FrameCanvas):
     def background(self) -> Background:
         """Return the empty scene, looked for once."""
         if self._background is None:
-            self._background = trial_background(self.trial, self._shown)
+            with said_in_status(self, SCENE_WORDS) as progress:
+                self._background = trial_background(self.trial, self._shown, progress=progress)
         return self._background
 
     def _propose(self, proposal: PoseStart | None = None) -> None:
         """Offer a proposal, and say in words how sure it is."""
         if proposal is None:
-            proposal = propose_pose_in_views(
-                self.trial, self._shown, background=self.background(), progress=_silent
-            )
+            background = self.background()
+            with said_in_status(self, ANIMAL_WORDS) as progress:
+                proposal = propose_pose_in_views(
+                    self.trial, self._shown, background=background, progress=progress
+                )
         unsure = proposal.legs[proposal.legs["sure"] < SURE_FROM]
         doubtful = [f"{row.leg} {row.words}" for row in unsure.itertuples()]
         notes = (f"{', '.join(doubtful)}." if doubtful else "All legs are sure.", *proposal.notes)
@@ -385,7 +391,3 @@ class StickPoser(FrameCanvas):
     def _own_actions(self, *, busy: bool) -> list[dict[str, Any]]:  # noqa: ARG002 (for a review)
         """Return the buttons and menus, before those of the layers."""
         return stick_actions(self.session)
-
-
-def _silent(_done: int, _total: int) -> None:
-    """Show no progress: the widget says when the proposal is there."""

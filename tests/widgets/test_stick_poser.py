@@ -47,6 +47,30 @@ def test_two_clicks_and_a_length_give_the_scale_of_the_trial(poser):
     assert poser.overlay(scene.EMPTY)["views"]["top"]["stick"]["scale"] == 4.0
 
 
+@pytest.mark.slow
+def test_a_proposal_says_how_far_it_is(poser, monkeypatch):
+    said = []
+    poser.observe(lambda change: said.append(change["new"]), names="status")
+    act(poser, "propose")
+    told = [text for text in said if text.startswith("Looking for")]
+    assert told[0] == "Looking for the empty scene: 0 %."
+    scene_told = [text for text in told if "empty scene" in text]
+    assert told[len(scene_told)] == "Looking for the animal: 0 %."
+    assert told[-1] == "Looking for the animal: 100 %."
+    shares = [int(text.split()[-2]) for text in scene_told]
+    assert shares == sorted(shares)
+    assert not poser.status.startswith("Looking for")
+    assert poser.session.proposed
+    # where it cannot be done, what was said before stands there again
+    before = poser.status
+    monkeypatch.setattr(
+        "pawnb.widgets.stick_poser.propose_pose_in_views", lambda *_, **__: {}["none"]
+    )
+    with pytest.raises(KeyError):
+        act(poser, "propose")
+    assert poser.status == before
+
+
 def test_a_pose_made_by_hand_keeps_its_size(poser):
     poser.edit("moved", {"frame": 2, "point": "body", "u": 150.0, "v": 118.0, "whole": True})
     act(poser, "scale")

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, cast
 
 import cv2
 import numpy as np
@@ -66,7 +67,12 @@ class Background:
 
 
 def find_background(
-    reader: ViewReader, view: View, *, folder: Path, frames: tuple[int, int] | None = None
+    reader: ViewReader,
+    view: View,
+    *,
+    folder: Path,
+    frames: tuple[int, int] | None = None,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Background:
     """Find the empty scene of a view.
 
@@ -81,6 +87,9 @@ def find_background(
         Folder that ``view.background`` is relative to.
     frames : tuple of int, optional
         Where to look for empty frames, first and one past the last; default: all.
+    progress : callable, optional
+        ``progress(done, total)`` in frames read, of the most that may have to be: where none has to
+        be looked for, or the animal is there from the first on, it ends earlier.
 
     Returns
     -------
@@ -100,6 +109,11 @@ def find_background(
         (:func:`median_background`). Also if
         nothing moves at all.
     """
+    if progress is not None:
+        first, stop = frames or (0, reader.n_frames)
+        n = stop - first
+        most = min(n, _SAMPLED) + KNOWN_FRAMES + n + min(n, _MOST_EMPTY_FRAMES)
+        reader = cast(ViewReader, _CountedFrames(reader, progress, most))
     if view.background is not None:
         return _from_picture(reader, view, Path(folder), frames)
     if view.background_frames is not None:
@@ -111,6 +125,23 @@ def find_background(
             )
         return mean_background(reader, range(first, stop))
     return _found(reader, view, frames or (0, reader.n_frames))
+
+
+class _CountedFrames:
+    """A reader that tells how many frames were read of it."""
+
+    def __init__(self, reader: ViewReader, progress: Callable[[int, int], None], most: int) -> None:
+        self._reader, self._progress, self._most, self._done = reader, progress, most, 0
+
+    def frame(self, index: int, /) -> Any:
+        """Return a frame, and say so."""
+        self._done = min(self._done + 1, self._most)
+        self._progress(self._done, self._most)
+        return self._reader.frame(index)
+
+    def __getattr__(self, name: str) -> Any:
+        """Return what the reader itself knows."""
+        return getattr(self._reader, name)
 
 
 def mean_background(reader: ViewReader, numbers: Iterable[int]) -> Background:

@@ -25,6 +25,9 @@ from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure
 from pawnb.workflow.start.sureness import SURE_FROM
 from pawnb.workflow.tracking.methods import stage_parameters
 
+SCENE_WORDS, ANIMAL_WORDS = "looking for the empty scene", "looking for the animal"
+"""What is done while a pose is proposed, in words."""
+
 
 @dataclass(frozen=True)
 class PoseStart(Proposed):
@@ -102,10 +105,28 @@ def trial_animal(trial: Trial) -> StickAnimal:
     return load_species(trial.animal.species, folder=trial.folder)
 
 
-def trial_background(trial: Trial, views: ViewSet) -> Background:
-    """Return the empty scene of the view that poses are in."""
+def trial_background(
+    trial: Trial, views: ViewSet, *, progress: Progress | None = None
+) -> Background:
+    """Return the empty scene of the view that poses are in.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views.
+    progress : callable, optional
+        ``progress(done, total)`` in frames; in a long film every frame is read.
+
+    Returns
+    -------
+    Background
+        The empty scene.
+    """
     view = trial.views[0]
-    return find_background(views.readers[view.name], view, folder=trial.folder)
+    reader = views.readers[view.name]
+    return find_background(reader, view, folder=trial.folder, progress=progress)
 
 
 def propose_pose_start(
@@ -127,7 +148,8 @@ def propose_pose_start(
     settings : mapping, optional
         ``pose_proposal.NAME`` to values, which go before the trial's ``[tracking.pose_proposal]``.
     progress : callable, optional
-        ``progress(done, total)``; default a bar on a terminal or in a notebook.
+        ``progress(done, total)``, first of the frames in which the empty scene is looked for, then
+        of those in which the animal is; default a bar on a terminal or in a notebook.
 
     Returns
     -------
@@ -142,7 +164,8 @@ def propose_pose_start(
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
     with open_views(trial) as views:
-        background = trial_background(trial, views)
+        with given_or_bar(progress, SCENE_WORDS) as report:
+            background = trial_background(trial, views, progress=report)
         return propose_pose_in_views(
             trial, views, background=background, frames=frames, settings=settings, progress=progress
         )
@@ -189,7 +212,7 @@ def propose_pose_in_views(
     }
     one = OneView(views, pose_view(trial))
     own = stage_parameters(trial, settings=settings)
-    with given_or_bar(progress, "looking for the animal") as report, parameters_set(own):
+    with given_or_bar(progress, ANIMAL_WORDS) as report, parameters_set(own):
         found = propose_pose(one, animal, background, progress=report, **about)
         parameters = parameters_of(["pose_proposal"])["pose_proposal"]
     legs = sure_table("leg", _as_tracking_sees(found, one, animal, background))

@@ -180,6 +180,20 @@ def test_an_animal_that_comes_and_stays_does_not_make_the_empty_frames_doubtful(
     assert background.source == "frames 0 to 7"
 
 
+def test_how_far_the_search_for_empty_frames_is_counts_the_frames_read(tmp_path):
+    reader = recording([None] * 10 + run(20))
+    view, told, read = View(name="top", video="x.avi"), [], []
+    frame = reader.frame
+    reader.frame = lambda index: read.append(index) or frame(index)
+    found = find_background(reader, view, folder=tmp_path, progress=lambda *at: told.append(at))
+    assert [done for done, _ in told] == list(range(1, len(read) + 1))
+    assert {30 + 5 + 30 + 30} == {total for _, total in told}  # sampled, known, all, empty
+    assert len(read) > 60
+    alone = find_background(reader, view, folder=tmp_path)
+    np.testing.assert_array_equal(found.mean, alone.mean)
+    assert (found.source, found.doubt) == (alone.source, alone.doubt)
+
+
 def test_an_animal_that_never_moves_is_said(tmp_path):
     reader = recording([(120.0, 80.0)] * 30)
     with pytest.warns(InputWarning, match="nothing moves in frames 0 to 29"):
