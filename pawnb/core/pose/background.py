@@ -113,7 +113,7 @@ def find_background(
         first, stop = frames or (0, reader.n_frames)
         n = stop - first
         most = min(n, _SAMPLED) + KNOWN_FRAMES + n + min(n, _MOST_EMPTY_FRAMES)
-        reader = cast(ViewReader, _CountedFrames(reader, progress, most))
+        reader = cast("ViewReader", _CountedFrames(reader, progress, most))
     if view.background is not None:
         return _from_picture(reader, view, Path(folder), frames)
     if view.background_frames is not None:
