@@ -88,8 +88,8 @@ def find_background(
     frames : tuple of int, optional
         Where to look for empty frames, first and one past the last; default: all.
     progress : callable, optional
-        ``progress(done, total)`` in frames read, of the most that may have to be: where none has to
-        be looked for, or the animal is there from the first on, it ends earlier.
+        ``progress(done, total)`` in frames read, of the most that may have to be: where the animal
+        is there from the first on, it ends earlier.
 
     Returns
     -------
@@ -110,9 +110,7 @@ def find_background(
         nothing moves at all.
     """
     if progress is not None:
-        first, stop = frames or (0, reader.n_frames)
-        n = stop - first
-        most = min(n, _SAMPLED) + KNOWN_FRAMES + n + min(n, _MOST_EMPTY_FRAMES)
+        most = _most_read(view, frames or (0, reader.n_frames))
         reader = cast("ViewReader", _CountedFrames(reader, progress, most))
     if view.background is not None:
         return _from_picture(reader, view, Path(folder), frames)
@@ -127,6 +125,16 @@ def find_background(
     return _found(reader, view, frames or (0, reader.n_frames))
 
 
+def _most_read(view: View, frames: tuple[int, int]) -> int:
+    """Return how many frames are read at most to find the empty scene."""
+    n = frames[1] - frames[0]
+    if view.background is not None:
+        return min(n, _SAMPLED)
+    if view.background_frames is not None:
+        return min(view.background_frames[1] - view.background_frames[0], _MOST_EMPTY_FRAMES)
+    return min(n, _SAMPLED) + KNOWN_FRAMES + n + min(n, _MOST_EMPTY_FRAMES)
+
+
 class _CountedFrames:
     """A reader that tells how many frames were read of it."""
 
@@ -135,9 +143,10 @@ class _CountedFrames:
 
     def frame(self, index: int, /) -> Any:
         """Return a frame, and say so."""
+        picture = self._reader.frame(index)
         self._done = min(self._done + 1, self._most)
         self._progress(self._done, self._most)
-        return self._reader.frame(index)
+        return picture
 
     def __getattr__(self, name: str) -> Any:
         """Return what the reader itself knows."""

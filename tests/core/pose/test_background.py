@@ -192,6 +192,12 @@ def test_how_far_the_search_for_empty_frames_is_counts_the_frames_read(tmp_path)
     alone = find_background(reader, view, folder=tmp_path)
     np.testing.assert_array_equal(found.mean, alone.mean)
     assert (found.source, found.doubt) == (alone.source, alone.doubt)
+    cv2.imwrite(str(tmp_path / "empty.png"), np.round(panel(SIZE)).astype(np.uint8))
+    reader.lens, told = None, []
+    for named in ({"background": "empty.png"}, {"background_frames": (0, 8)}):
+        view = View(name="top", video="x.avi", **named)
+        find_background(reader, view, folder=tmp_path, progress=lambda *at: told.append(at))
+        assert told[-1] == (told[-1][1], told[-1][1])  # all of what is read here
 
 
 def test_an_animal_that_never_moves_is_said(tmp_path):
