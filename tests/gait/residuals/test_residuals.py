@@ -16,8 +16,10 @@ from pawnb.gait.residuals import (
     analyse_residuals,
     compare_cutoffs,
 )
+from pawnb.io.formats import read_any_tracks
 from pawnb.signals import butterworth_lowpass
 
+LOCOMOUSE = "G6AE1_98_28_1_control_S1T1_R.mat"
 FS = 250.0
 
 
@@ -129,6 +131,23 @@ def test_few_frames_a_stride_leave_no_noise_to_see(harmonics):
     given = analyse_residuals(x, fs_hz=100.0, band_hz=(20.0, 35.0))
     assert np.isfinite(given.cutoff_hz)
     assert "; but the line's noise of" in given.reason
+
+
+def test_a_real_walk_of_few_frames_a_stride_has_no_cutoff_this_way(real_data):
+    # a mouse of 2.4 strides a second; leaving out frames does not change the noise of a track, so
+    # that at 400 Hz is the truth: 12 frames a stride gave 5.5 px, and a cut-off of 4.1 Hz
+    tracks = read_any_tracks(real_data("mouse-locomouse") / LOCOMOUSE, fps=400.0)
+    seen = tracks["image_position"].sel(view="bottom", image_space="u", keypoint=["FR", "FL"])
+    x = seen.isel(individual=0).to_numpy()
+    whole = analyse_residuals(x, fs_hz=400.0)
+    assert whole.noise_rms < 0.6  # whole px, in the file; by hand: 0.29 of rounding alone
+    for step, start in ((13, 0), (14, 7), (16, 0), (16, 8)):
+        found = analyse_residuals(x[start::step], fs_hz=400.0 / step)
+        assert np.isnan(found.cutoff_hz)
+        assert found.reason.startswith("no cut-off: ")
+    for step in (2, 3, 4):  # enough frames: it is still read
+        found = analyse_residuals(x[::step], fs_hz=400.0 / step)
+        assert found.cutoff_hz > 5 * 2.4
 
 
 def test_whiteness_does_not_take_a_stride_for_noise():
