@@ -133,6 +133,7 @@ def test_few_frames_a_stride_leave_no_noise_to_see(harmonics):
     assert "; but the line's noise of" in given.reason
 
 
+@pytest.mark.slow
 def test_a_real_walk_of_few_frames_a_stride_has_no_cutoff_this_way(real_data):
     # a mouse of 2.4 strides a second; leaving out frames does not change the noise of a track, so
     # that at 400 Hz is the truth: 12 frames a stride gave 5.5 px, and a cut-off of 4.1 Hz
