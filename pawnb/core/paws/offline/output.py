@@ -121,7 +121,9 @@ def _in_space(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return positions in space from the views that saw each point, else from the best two.
 
-    There are none far beyond the body: there lines of sight cross of views that disagree.
+    There are none far beyond the body: there lines of sight cross of views that disagree. Where
+    views miss them by more than their standard deviations say, those in space are as much larger
+    (the ratio of Birge 1932, Phys. Rev. 40, 207).
     """
     rank = np.argsort(np.argsort(-chance, axis=2), axis=2)
     used = ((chance >= RUN.seen) | (rank < 2)) & (chance >= RUN.lost)
@@ -132,6 +134,9 @@ def _in_space(
     )
     information = np.einsum("npvki,npv,npvkj->npij", J, weight, J)
     variance = np.linalg.inv(information + 1e-12 * np.eye(3)).diagonal(axis1=-2, axis2=-1)
+    off = np.linalg.norm(dlt.project(coefs, result.xyz) - uv, axis=-1)
+    square = np.nansum(weight * off**2, axis=2) / np.maximum(2 * used.sum(axis=2) - 3, 1)
+    variance = variance * np.maximum(square, 1.0)[..., None]
     sure = surest_two(chance)
     astray = beyond_body(result.xyz, sure, sure=RUN.seen, gate=LIMITS.beyond)
     astray &= sure < 1  # who has placed a point has seen to it

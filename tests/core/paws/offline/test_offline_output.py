@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import least_squares
 
 from pawnb.core.paws.layout import Placement, make_layout
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
@@ -93,6 +94,24 @@ def test_places_in_space_are_those_of_which_the_views_are_pictures(layout):
     np.testing.assert_allclose(place, XYZ, atol=1e-6)
     assert origins(tracks) == [["measured"] * 3] * 3
     assert (tracks["sd"].to_numpy() > 0).all()
+
+
+def test_places_in_space_are_as_vague_as_the_views_disagree(layout):
+    """Off by up to 8 px where each states 1 px; the sum of squares by SciPy's least squares."""
+    apart = TRUTH.copy()
+    apart[1, 0] += (0.0, -4.0)
+    apart[1, 1] += (0.0, 8.0)
+
+    def off(xyz):
+        return np.concatenate([shown(xyz, P) for P in CAMERAS.values()]) - apart[1].ravel()
+
+    solved = least_squares(off, XYZ[1])
+    variance = np.linalg.inv(solved.jac.T @ solved.jac).diagonal() * (2 * solved.cost / 3)
+    sd = written(layout, found(0.9, apart))["sd"].isel(individual=0, keypoint=0).to_numpy()
+    np.testing.assert_allclose(sd[1], np.sqrt(variance), rtol=0.05)
+    agreed = written(layout, found(0.9))["sd"].isel(individual=0, keypoint=0).to_numpy()
+    np.testing.assert_allclose(sd[[0, 2]], agreed[[0, 2]])
+    assert (sd[1] > 2 * agreed[1]).all()
 
 
 def test_a_view_that_does_not_see_the_point_shows_where_the_others_put_it(layout):

@@ -170,8 +170,9 @@ def _support(
     if rig is None or len(views) < 2:
         return [{} for _ in views]
     return epipolar_support(
-        masses, [v.stack for v in views], names=[v.name for v in views], rig=rig, radius=radius
-    )
+        masses, [v.stack for v in views], names=[v.name for v in views],
+        clicks=[v.annotations for v in views], rig=rig, radius=radius,
+    )  # fmt: skip
 
 
 def _kinds_apart(

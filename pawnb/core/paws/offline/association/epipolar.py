@@ -1,15 +1,22 @@
-"""What one calibrated view says of another: a point lies on the epipolar line of what is seen."""
+"""What one calibrated view says of another: a point lies on the epipolar line of what is seen.
+
+Clicks in two views may be of places on the skin that lie apart, and a calibration may be off by
+some px. Each view follows what was clicked in it. So the lines of other views are moved by what
+they miss the clicks by.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from pawnb.arrays import Float32Array
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core import dlt
 from pawnb.core.parallel import in_parts
+from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.estimates import modes
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.scene.stack import BodyStack
@@ -26,6 +33,7 @@ def epipolar_support(
     stacks: Sequence[BodyStack],
     *,
     names: Sequence[str],
+    clicks: Sequence[Annotations],
     rig: Rig,
     radius: float,
 ) -> list[dict[int, Float32Array]]:
@@ -39,6 +47,8 @@ def epipolar_support(
         The views.
     names : sequence of str
         Their names in the rig.
+    clicks : sequence of Annotations
+        What is certain in them.
     rig : Rig
         The calibration.
     radius : float
@@ -59,14 +69,70 @@ def epipolar_support(
     for a, stack in enumerate(stacks):
         support.append({p: np.ones(stack.shape, np.float32) for p in posteriors[a]})
         others = [
-            (found, find_fundamental_matrix(matrices[b], matrices[a]))
-            for b, found in enumerate(seen) if b != a
+            (b, find_fundamental_matrix(matrices[b], matrices[a]))
+            for b in range(len(stacks)) if b != a
         ]  # fmt: skip
         for point, factor in support[a].items():
-            told = [(found[point], F) for found, F in others if point in found]
+            told = [
+                _Told(seen[b][point], F, _missed(stack, clicks[a], clicks[b], point=point, F=F))
+                for b, F in others if point in seen[b]
+            ]  # fmt: skip
             draw = _Drawn(stack, told, LINKS.epipolar_sd_radii * radius)
             in_parts(draw, range(len(factor)), factor)
     return support
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What another view tells of a point.
+
+    Parameters
+    ----------
+    seen : sequence of (ndarray (k, 3), ndarray (k,))
+        Row by row where the point is seen: homogeneous positions, px, and probabilities.
+    fundamental : ndarray, shape (3, 3)
+        From such a position to its line in the view that is told of it.
+    missed : ndarray, shape (2, clicks)
+        Rows in which the point was clicked in both, and how far the line misses the click, in
+        places along its normal.
+    """
+
+    seen: Sequence[tuple[FloatArray, FloatArray]]
+    fundamental: FloatArray
+    missed: FloatArray
+
+    def lines(self, row: int, to_view: FloatArray) -> FloatArray:
+        """Return lines (k, 3) of the grid, moved as clicks about that row say."""
+        lines = _unit_lines(self.seen[row][0], self.fundamental, to_view)
+        if self.missed.size:
+            lines[:, 2] -= np.interp(row, *self.missed)
+        return lines
+
+
+def _missed(
+    stack: BodyStack, clicks: Annotations, others: Annotations, *, point: int, F: FloatArray
+) -> FloatArray:
+    """Return rows (2, clicks) of clicks in two views, and how far lines of the others miss them."""
+    rows = [row for row in clicks.rows_of(point) if point in others.places.get(row, {})]
+    off = []
+    for row in rows:
+        (line,) = _unit_lines(np.r_[others.places[row][point], 1.0][None], F, _to_view(stack, row))
+        off.append(line @ np.r_[stack.grid_of(clicks.places[row][point], row), 1.0])
+    return np.array([rows, off], float)
+
+
+def _unit_lines(uv: FloatArray, fundamental: FloatArray, to_view: FloatArray) -> FloatArray:
+    """Return lines (k, 3) of the grid, with normals of length 1, of homogeneous px (k, 3)."""
+    lines = uv @ fundamental.T @ to_view
+    return np.asarray(lines / (np.linalg.norm(lines[:, :2], axis=1, keepdims=True) + 1e-300))
+
+
+def _to_view(stack: BodyStack, row: int) -> FloatArray:
+    """Return the map (3, 3) to homogeneous px of a view from those of its grid."""
+    to_view = np.eye(3)
+    corners = stack.picture_of(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), row)
+    to_view[:2] = np.c_[corners[1] - corners[0], corners[2] - corners[0], corners[0]]
+    return to_view
 
 
 class _Seen:
@@ -85,12 +151,7 @@ class _Seen:
 class _Drawn:
     """Draws into the places (h, w) of a row how far other views support each of them."""
 
-    def __init__(
-        self,
-        stack: BodyStack,
-        told: Sequence[tuple[Sequence[tuple[np.ndarray, np.ndarray]], np.ndarray]],
-        sd: float,
-    ) -> None:
+    def __init__(self, stack: BodyStack, told: Sequence[_Told], sd: float) -> None:
         self.stack, self.told = stack, told
         reach = int(_REACH_SDS * _STEPS_A_SD)
         self.step, self.middle = _STEPS_A_SD / sd, reach
@@ -98,19 +159,16 @@ class _Drawn:
         self.profile = across.astype(np.float32)[None]
 
     def __call__(self, row: int, factor: np.ndarray) -> None:
-        # homogeneous px of the view from those of the grid
-        to_view = np.eye(3)
-        corners = self.stack.picture_of(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), row)
-        to_view[:2] = np.c_[corners[1] - corners[0], corners[2] - corners[0], corners[0]]
+        to_view = _to_view(self.stack, row)
         size = factor.shape[::-1]
-        for seen, fundamental in self.told:
-            uv, probability = seen[row]
+        for told in self.told:
+            probability = told.seen[row][1]
             on_line = np.full(
                 factor.shape, LINKS.epipolar_floor + 1 - probability.sum(), np.float32
             )
-            for line, p in zip(uv @ fundamental.T @ to_view, probability, strict=True):
+            for line, p in zip(told.lines(row, to_view), probability, strict=True):
                 to_profile = np.zeros((2, 3))
-                to_profile[0] = line * self.step / (np.hypot(*line[:2]) + 1e-300)
+                to_profile[0] = line * self.step
                 to_profile[0, 2] += self.middle
                 ridge = cv2.warpAffine(
                     self.profile, to_profile, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
