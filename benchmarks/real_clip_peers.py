@@ -22,7 +22,7 @@ import pandas as pd
 
 Pictures = dict[int, np.ndarray]
 PEERS = ("lk", "csrt")
-VERSION = 1
+VERSION = 2
 """Results that were kept are taken again only by the same: raise it with whatever changes them."""
 LARGE_PX = 500
 LARGE_WINDOW_PX, WINDOW_PX = 21, 15
@@ -30,7 +30,12 @@ PYRAMID_LEVELS = 3
 
 
 def read_pictures(
-    path: Path, crop: list[int] | None, frames: tuple[int, int] | None, *, grey: bool
+    path: Path,
+    crop: list[int] | None,
+    frames: tuple[int, int] | None,
+    *,
+    grey: bool,
+    lens: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> dict[int, np.ndarray]:
     """Return the pictures of a half-open range of frames, by number.
 
@@ -44,9 +49,24 @@ def read_pictures(
         if not there:
             break
         if frame >= first:
+            if lens is not None:
+                picture = cv2.undistort(picture, *lens)
             picture = picture[v0:v1, u0:u1].copy()
             pictures[frame] = cv2.cvtColor(picture, cv2.COLOR_BGR2GRAY) if grey else picture
     return pictures
+
+
+def lens_of(folder: Path, trial: dict, view: str) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return matrix and distortion of a view's lens, by Anipose's file or lenses.toml."""
+    calibration = trial.get("calibration", {})
+    name = calibration.get("anipose") or calibration.get("lens")
+    if name is None:
+        return None
+    for key, section in tomllib.loads((folder / name).read_text()).items():
+        if section.get("name", key) == view:
+            bent = section.get("distortions", section.get("distortion"))
+            return np.array(section["matrix"]), np.array(bent)
+    return None
 
 
 def follow_lk(pictures: Pictures, frames: range, click: np.ndarray, _px: float) -> dict:
@@ -114,7 +134,10 @@ def main() -> None:
     parts = []
     for view in trial["views"]:
         path = options.trial / view["video"]
-        pictures = read_pictures(path, view.get("crop"), frames, grey=options.peer == "lk")
+        lens = lens_of(options.trial, trial, view["name"])
+        pictures = read_pictures(
+            path, view.get("crop"), frames, grey=options.peer == "lk", lens=lens
+        )
         own = clicks[clicks["view"] == view["name"]]
         part = track_view(options.peer, pictures, own, px=options.threshold_px)
         parts.append(part.assign(view=view["name"]))

@@ -117,6 +117,38 @@ def test_lucas_kanade_both_ways_and_the_nearer_click_decides():
     np.testing.assert_allclose(found["v"], 40.0, atol=0.3)
 
 
+def test_peers_see_pictures_as_straight_as_pawnb_does(tmp_path):
+    """A straight edge 30 px left of the middle, bent by k1 = -0.3 as OpenCV's model has it."""
+    from real_clip_peers import lens_of, read_pictures
+
+    (tmp_path / "cameras.toml").write_text(
+        '[cam_0]\nname = "side"\nmatrix = [[100.0, 0, 80.0], [0, 100.0, 60.0], [0, 0, 1.0]]\n'
+        "distortions = [-0.3, 0.0, 0.0, 0.0, 0.0]\n"
+    )
+    trial = {"calibration": {"anipose": "cameras.toml"}}
+    lens = lens_of(tmp_path, trial, "side")
+    assert lens_of(tmp_path, {}, "side") is None
+    y, x = (np.indices((120, 160)) - np.array([60, 80])[:, None, None]) / 100.0
+    # the radius of the filmed picture is r (1 - 0.3 r²) of the straight one: undone by iteration
+    straight = x.copy()
+    for _ in range(100):
+        straight = x / (1 - 0.3 * straight**2 * (1 + (y / np.where(x == 0, 1e-9, x)) ** 2))
+    filmed = np.where(straight < -0.3, 0, 255).astype(np.uint8)
+    writer = cv2.VideoWriter(
+        str(tmp_path / "side.avi"), cv2.VideoWriter.fourcc(*"MJPG"), 25, (160, 120)
+    )
+    writer.write(cv2.cvtColor(filmed, cv2.COLOR_GRAY2BGR))
+    writer.release()
+
+    def edge(pictures):
+        return (pictures[0][20:100] < 128).sum(axis=1)
+
+    bent = edge(read_pictures(tmp_path / "side.avi", None, None, grey=True))
+    found = edge(read_pictures(tmp_path / "side.avi", None, None, grey=True, lens=lens))
+    assert np.ptp(bent) >= 2
+    assert np.abs(found - 50).max() <= 1
+
+
 def test_a_trial_with_other_clicks_finds_its_files(tmp_path):
     from real_clip_marks import Clip
     from real_clips import write_trial
