@@ -74,9 +74,12 @@ def epipolar_support(
         ]  # fmt: skip
         for point, factor in support[a].items():
             told = [
-                _ToldByView(seen[b][point], F, _missed(stack, clicks[a], clicks[b], point=point, F=F))
-                for b, F in others if point in seen[b]
-            ]  # fmt: skip
+                _ToldByView(
+                    seen[b][point], F, _missed(stack, clicks[a], clicks[b], point=point, F=F)
+                )
+                for b, F in others
+                if point in seen[b]
+            ]
             draw = _Drawn(stack, told, LINKS.epipolar_sd_radii * radius)
             in_parts(draw, range(len(factor)), factor)
     return support
