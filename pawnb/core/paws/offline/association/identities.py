@@ -3,8 +3,9 @@
 Every point takes a path through tracklets. A tracklet belongs to one point at most; a path pays
 for what appearance, motion from clicks and positional prior say against the name, for changes of
 velocity from one tracklet to the next, and for every row in which the point is hidden. All paths
-together are the cheapest ones: a multi-commodity flow (Zhang, Li & Nevatia 2008 for one commodity),
-solved by integer programming.
+together are the cheapest ones: a multi-commodity flow (Zhang, Li & Nevatia 2008 for one commodity).
+Where the cheapest path of each point by itself shares no tracklet with another, these are it; where
+some do, it is solved by integer programming.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
-from pawnb.arrays import FloatArray, IntArray
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.offline.association.parameters import LINKS
 from pawnb.core.paws.offline.association.tracklets import ViewTracklet
@@ -37,6 +38,8 @@ class _Arcs:
     cost: FloatArray
     tracklet: IntArray
     """The tracklet that is passed, or -1."""
+    hidden: IntArray
+    """Rows of the nodes at which the point is hidden; they come last."""
 
 
 class TrackletGraph:
@@ -67,6 +70,7 @@ class TrackletGraph:
     ) -> None:
         self.clicked, self.parameters = clicked, parameters
         self.arcs = _graph(tracklets, n, radius, parameters)
+        self.entering = _entering(self.arcs, tracklets)
 
     def decide(self, gains: FloatArray) -> IntArray:
         """Give tracklets to points.
@@ -81,13 +85,26 @@ class TrackletGraph:
         ndarray of int, shape (N,)
             The point, or -1.
         """
-        gains = gains.copy()
+        return self._decide_each([gains])[0]
+
+    def _decide_each(self, each: Sequence[FloatArray]) -> list[IntArray]:
+        """Give tracklets to points, by each of several gains (N, P)."""
+        gains = np.stack(each)
+        n, n_points = gains.shape[1:]
         for tracklet, point in self.clicked.items():
-            gains[tracklet] = -LINKS.click_worth
-            gains[tracklet, point] = LINKS.click_worth
-        share = _solve(self.arcs, gains, gains.shape[1])
-        best = share.argmax(axis=1)
-        return np.where(share[np.arange(len(gains)), best] > 0.5, best, -1)
+            gains[:, tracklet] = -LINKS.click_worth
+            gains[:, tracklet, point] = LINKS.click_worth
+        alone = _paths_alone(self.arcs, self.entering, np.hstack(list(gains)))
+
+        def decided(own: FloatArray, passed: BoolArray) -> IntArray:
+            # what is cheapest without a limit and keeps it is so with it
+            share = passed if (passed.sum(axis=1) <= 1).all() else _solve(self.arcs, own, n_points)
+            best = share.argmax(axis=1)
+            return np.where(share[np.arange(n), best] > 0.5, best, -1)
+
+        return on_threads(
+            lambda one: decided(*one), zip(gains, np.hsplit(alone, len(each)), strict=True)
+        )
 
     def name_shares(self, gains: FloatArray, names: IntArray) -> FloatArray:
         """Return how often tracklets keep their names where gains are perturbed.
@@ -113,7 +130,7 @@ class TrackletGraph:
         noisy = [
             gains + scale * random.gumbel(size=gains.shape) for _ in range(self.parameters.samples)
         ]
-        kept = [names == sample for sample in [names, *on_threads(self.decide, noisy)]]
+        kept = [names == sample for sample in [names, *self._decide_each(noisy)]]
         return np.mean(kept, axis=0)
 
 
@@ -148,7 +165,53 @@ def _graph(
         arcs.append((2 * i + 1, at_row[after], leave, -1))
     arcs += _continuations(tracklets, begins, ends, radius, parameters)
     source, target, cost, through = map(np.array, zip(*arcs, strict=True))
-    return _Arcs(source, target, cost, through)
+    return _Arcs(source, target, cost, through, rows)
+
+
+def _entering(arcs: _Arcs, tracklets: Sequence[ViewTracklet]) -> list[tuple[int, IntArray]]:
+    """Return the arcs into each node, a node after all those that it is reached from.
+
+    All arcs lead on in time, by the row of a node; that of a tracklet's end is its first row, as it
+    may be left before its last one. Of one row, hidden comes first, and begins before ends.
+    """
+    first = 2 * len(tracklets)
+    row = np.full(int(arcs.target.max()) + 1, -1)
+    row[:first] = np.repeat([one.begin for one in tracklets], 2)
+    hidden = arcs.hidden
+    row[first:] = hidden
+    kind = np.concatenate([np.tile([1, 2], len(tracklets)), np.zeros(len(hidden), int)])
+    rank = np.empty(len(row), int)
+    rank[np.lexsort((kind, row))] = np.arange(len(row))
+    order = np.argsort(rank[arcs.target], kind="stable")
+    target = arcs.target[order]
+    begins = np.flatnonzero(np.diff(target, prepend=-1))
+    return list(zip(target[begins].tolist(), np.split(order, begins[1:]), strict=True))
+
+
+def _paths_alone(
+    arcs: _Arcs, entering: Sequence[tuple[int, IntArray]], gains: FloatArray
+) -> BoolArray:
+    """Return which tracklets (N, K) the cheapest paths pass, each by gains (N, K) of its own."""
+    n_tracklets, count = gains.shape
+    cost = np.repeat(arcs.cost[:, None], count, axis=1)
+    through = arcs.tracklet >= 0
+    cost[through] -= gains[arcs.tracklet[through]]
+    first, last = 2 * n_tracklets, int(arcs.target.max())
+    total, via = np.zeros((last + 1, count)), np.zeros((last + 1, count), int)
+    path = np.arange(count)
+    for node, into in entering:
+        sums = total[arcs.source[into]] + cost[into]
+        best = sums.argmin(axis=0)
+        via[node], total[node] = into[best], sums[best, path]
+    passed = np.zeros((n_tracklets, count), bool)
+    at = np.full(count, last)
+    while len(path):
+        arc = via[at, path]
+        here = arcs.tracklet[arc]
+        passed[here[here >= 0], path[here >= 0]] = True
+        on = arcs.source[arc] != first  # hidden before the first row
+        at, path = arcs.source[arc][on], path[on]
+    return passed
 
 
 def _continuations(
