@@ -265,18 +265,19 @@ def probabilities_of(
         The probabilities, 0 at places that were not looked at.
     """
     h, w = features.shape
-    number = np.arange(h * w).reshape(h, w)
     found = np.zeros((len(points), h, w), np.float32)
-    flat = found.reshape(len(points), -1)
     columns = np.asarray(points, int) + 1
     near = np.zeros((h, w), np.uint8)
-    first = number[::2, ::2].ravel()
-    probability = classify(features.at(first)).T
-    flat[:, first] = probability[columns]
-    near.ravel()[first] = probability[0] < 1 - LEARNT.nowhere
+    first = (w * np.arange(0, h, 2)[:, None] + np.arange(0, w, 2)).ravel()
+    probability = classify(features.at(first)).T.reshape(-1, (h + 1) // 2, (w + 1) // 2)
+    np.less(probability[0], 1 - LEARNT.nowhere, out=near[::2, ::2], casting="unsafe")
+    for own, column in zip(found, columns, strict=True):
+        own[::2, ::2] = probability[column]
     near = cv2.dilate(near, np.ones((5, 5), np.uint8))
     near[::2, ::2] = 0
     rest = np.flatnonzero(near)
     if len(rest):
-        flat[:, rest] = classify(features.at(rest)).T[columns]
+        probability = classify(features.at(rest)).T
+        for own, column in zip(found.reshape(len(found), -1), columns, strict=True):
+            own[rest] = probability[column]
     return found

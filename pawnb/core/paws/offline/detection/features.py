@@ -18,6 +18,8 @@ _DIRECTIONS = 8
 """Layout: directions of a ring."""
 _TURNS = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
 """Layout: their angles, rad."""
+_TOWARDS = np.stack([np.cos(_TURNS), np.sin(_TURNS)])[..., None]
+"""Layout: unit vectors of them, (2, directions, 1)."""
 
 
 @dataclass(frozen=True)
@@ -38,16 +40,12 @@ class _Ring:
     radius: float
     minus: np.ndarray | None = None
 
-    def at(self, x: np.ndarray, y: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """Return the eight values (8, m) about m places."""
-        around = cv2.remap(
-            self.of,
-            (x + self.radius * np.cos(_TURNS)[:, None]).astype(np.float32),
-            (y + self.radius * np.sin(_TURNS)[:, None]).astype(np.float32),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_REPLICATE,
-        )
-        return around if self.minus is None else around - self.minus.ravel()[places]
+    def put(self, xy: Float32Array, places: IntArray, *, into: Float32Array) -> None:
+        """Write the eight values (8, m) about m places at positions (2, 1, m)."""
+        x, y = xy + (self.radius * _TOWARDS).astype(np.float32)
+        cv2.remap(self.of, x, y, cv2.INTER_LINEAR, dst=into, borderMode=cv2.BORDER_REPLICATE)
+        if self.minus is not None:
+            into -= self.minus.ravel()[places]
 
 
 class PictureFeatures:
@@ -112,9 +110,9 @@ class PictureFeatures:
             _Ring(near if i == 0 else middle, radius / spacing, ground)
             for i, radius in enumerate(LEARNT.rings_px)
         ]
-        for channel in range(0 if colour is None else 2):
-            shade = halved(np.ascontiguousarray(colour[..., channel]))  # type: ignore[index]
-            shade = on_grid(shade).astype(np.float32) / _SHADES - 4
+        shades = None if colour is None else halved(colour)
+        for channel in range(0 if shades is None else 2):
+            shade = on_grid(shades[..., channel]).astype(np.float32) / _SHADES - 4  # type: ignore[index]
             smooth = cv2.GaussianBlur(shade, (0, 0), LEARNT.colour_sd_px / spacing)
             self._parts.append(np.stack([shade, smooth]).reshape(2, -1))
             if channel == 0:
@@ -135,12 +133,12 @@ class PictureFeatures:
         """
         count = sum(_DIRECTIONS if isinstance(p, _Ring) else len(p) for p in self._parts)
         found = np.empty((count, len(places)), np.float32)
-        y, x = np.divmod(places, self.shape[1])
+        xy = np.stack(np.divmod(places, self.shape[1])[::-1]).astype(np.float32)[:, None]
         begin = 0
         for part in self._parts:
             if isinstance(part, _Ring):
                 end = begin + _DIRECTIONS
-                found[begin:end] = part.at(x, y, places)
+                part.put(xy, places, into=found[begin:end])
             else:
                 end = begin + len(part)
                 np.take(part, places, axis=1, out=found[begin:end], mode="clip")
