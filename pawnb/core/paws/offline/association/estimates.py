@@ -59,8 +59,10 @@ def estimate(posterior: Float32Array, radius: float) -> Estimates:
         within = near.sum()
         at_x = (near * x[:, columns]).sum() / within
         at_y = (near * y[rows]).sum() / within
-        spread = (mass * ((x - at_x) ** 2 + (y - at_y) ** 2)).sum() / max(mass.sum(), 1e-20)
-        return at_x, at_y, float(within / (mass.sum() + 1e-20)), float(np.sqrt(spread / 2))
+        total = float(mass.sum())
+        off = mass.sum(axis=0) @ (x[0] - at_x) ** 2 + mass.sum(axis=1) @ (y[:, 0] - at_y) ** 2
+        spread = off / max(total, 1e-20)
+        return at_x, at_y, float(within / (total + 1e-20)), float(np.sqrt(spread / 2))
 
     table = np.array(in_parts(one, posterior)).reshape(-1, 4)
     return Estimates(table[:, :2], np.clip(table[:, 2], 0, 1), table[:, 3])

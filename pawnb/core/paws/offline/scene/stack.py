@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -100,9 +101,13 @@ class BodyStack:
 
     def picture_of(self, place: AnyArray, row: int | IntArray) -> FloatArray:
         """Return positions (..., 2), px of the view, of places of the grid in a row (or rows)."""
-        A = self.to_body[row]
-        back = np.linalg.inv(A[..., :2])
-        return np.einsum("...ij,...j->...i", back, self.from_grid(place) - A[..., 2])
+        offset = self.from_grid(place) - self.to_body[row, :, 2]
+        return np.einsum("...ij,...j->...i", self._to_view[row], offset)
+
+    @functools.cached_property
+    def _to_view(self) -> FloatArray:
+        """What turns and scales working px to px of the view, (n, 2, 2)."""
+        return np.asarray(np.linalg.inv(self.to_body[..., :2]))
 
 
 def read_stacks(
