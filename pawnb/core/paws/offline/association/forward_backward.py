@@ -100,7 +100,7 @@ def smooth_posterior(
 def _overlap(before: np.ndarray, after: np.ndarray) -> float:
     """Return the Bhattacharyya coefficient of two distributions, blurred."""
     before, after = (cv2.GaussianBlur(mass, (0, 0), LINKS.compare_blur) for mass in (before, after))
-    return _total(cv2.sqrt(cv2.max(cv2.multiply(before, after), 0.0)))
+    return _total(cv2.sqrt(cv2.multiply(before, after)))
 
 
 def _normalised(mass: np.ndarray) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -164,9 +165,9 @@ def _find_slopes(
     own, own_back = (part.reshape(n, k, h).transpose(1, 0, 2) for part in (active, back))
     score = own @ networks.outer
     score += networks.outer_bias[:, None]
-    score -= score.max(axis=2, keepdims=True)
+    score -= _of_classes(np.maximum, score)
     np.exp(score, out=score)
-    score /= score.sum(axis=2, keepdims=True)
+    score /= _of_classes(np.add, score)
     score -= target
     score /= n
     np.matmul(own.transpose(0, 2, 1), score, out=slopes.outer)
@@ -177,3 +178,8 @@ def _find_slopes(
     back.sum(axis=0, out=slopes.inner_bias)
     slopes.inner[:] += np.float32(LEARNT.weight_decay / n) * networks.inner
     slopes.outer[:] += np.float32(LEARNT.weight_decay / n) * networks.outer
+
+
+def _of_classes(take: np.ufunc, score: Float32Array) -> Float32Array:
+    """Reduce scores (k, n, classes) to (k, n, 1); of a few classes one by one takes a third."""
+    return np.asarray(functools.reduce(take, score.transpose(2, 0, 1)))[..., None]
