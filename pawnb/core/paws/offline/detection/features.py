@@ -40,9 +40,9 @@ class _Ring:
     radius: float
     minus: np.ndarray | None = None
 
-    def put(self, xy: Float32Array, places: IntArray, *, into: Float32Array) -> None:
+    def put(self, xy: IntArray, places: IntArray, *, into: Float32Array) -> None:
         """Write the eight values (8, m) about m places at positions (2, 1, m)."""
-        x, y = xy + (self.radius * _TOWARDS).astype(np.float32)
+        x, y = (xy + self.radius * _TOWARDS).astype(np.float32)
         cv2.remap(self.of, x, y, cv2.INTER_LINEAR, dst=into, borderMode=cv2.BORDER_REPLICATE)
         if self.minus is not None:
             into -= self.minus.ravel()[places]
@@ -133,7 +133,7 @@ class PictureFeatures:
         """
         count = sum(_DIRECTIONS if isinstance(p, _Ring) else len(p) for p in self._parts)
         found = np.empty((count, len(places)), np.float32)
-        xy = np.stack(np.divmod(places, self.shape[1])[::-1]).astype(np.float32)[:, None]
+        xy = np.stack(np.divmod(places, self.shape[1])[::-1])[:, None]
         begin = 0
         for part in self._parts:
             if isinstance(part, _Ring):
