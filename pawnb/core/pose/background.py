@@ -6,6 +6,7 @@ Pullar 2009, §3.2.1, Eq. 3.6 and 3.7.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -139,13 +140,13 @@ class _CountedFrames:
     """A reader that tells how many frames were read of it."""
 
     def __init__(self, reader: ViewReader, progress: Callable[[int, int], None], most: int) -> None:
-        self._reader, self._progress, self._most, self._done = reader, progress, most, 0
+        self._reader, self._progress, self._most = reader, progress, most
+        self._count = itertools.count(1)
 
     def frame(self, index: int, /) -> Any:
         """Return a frame, and say so."""
         picture = self._reader.frame(index)
-        self._done = min(self._done + 1, self._most)
-        self._progress(self._done, self._most)
+        self._progress(min(next(self._count), self._most), self._most)
         return picture
 
     def __getattr__(self, name: str) -> Any:
