@@ -88,10 +88,16 @@ class GaitTables:
     bases: tuple[TrialBasis, ...] = ()
     found: GaitTables | None = None
 
+    @property
+    def trials(self) -> tuple[tuple[str, str], ...]:
+        """Each animal and trial that was analysed, also those in which no event was found."""
+        found = self.events[TRIAL_KEYS].astype(str).itertuples(index=False, name=None)
+        known = ((str(basis.who["animal"]), str(basis.who["trial"])) for basis in self.bases)
+        return tuple(dict.fromkeys([*found, *known]))
+
     def __repr__(self) -> str:
         """Return how large each table is; the tables themselves are for their own cells."""
-        known = self.events[TRIAL_KEYS].drop_duplicates()
-        n_animals, n_trials = known["animal"].nunique(), len(known)
+        n_animals, n_trials = len({animal for animal, _ in self.trials}), len(self.trials)
         sizes = [f"{name}: {len(getattr(self, name))} rows" for name in _GAIT_TABLES]
         more = [f"{len(self.notes)} notes", *(["corrected by hand"] if self.found else [])]
         legs = {leg for basis in self.bases for leg in basis.legs or ()} | {*self.events["leg"]}

@@ -133,13 +133,11 @@ def notes_on_trials(
     list of str
         The notes.
     """
-    who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
-    trials = list(who.itertuples(index=False, name=None))
     return [
-        *notes_on_groups(trials, groups, aside=aside, compared=sources[0].compared),
+        *notes_on_groups(tables.trials, groups, aside=aside, compared=sources[0].compared),
         *notes_on_fields(fields),
         *_missing_legs(tables.events),
-        *_ways_of_stance(tables.strides, trials),
+        *_ways_of_stance(tables.strides, tables.trials),
         *_rates_of_groups(sources, groups),
     ]
 

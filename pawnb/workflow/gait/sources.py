@@ -105,7 +105,7 @@ class GaitSource:
         own = None if self.trial is None else self.trial.animal.group
         named = {} if self.events is None else groups_of_events(self.events, where=str(self.path))
         found = {}
-        for animal, trial in _trials_in(tables):
+        for animal, trial in tables.trials:
             group = self.group or named.get((animal, trial)) or own
             if group is not None:
                 found[animal, trial] = group
@@ -113,7 +113,7 @@ class GaitSource:
 
     def set_aside(self, tables: GaitTables) -> dict[tuple[str, str], str]:
         """Return ``aside`` of each animal and trial in the tables made of this input."""
-        return {} if self.aside is None else dict.fromkeys(_trials_in(tables), self.aside)
+        return {} if self.aside is None else dict.fromkeys(tables.trials, self.aside)
 
     def of_animal(self, animal: str) -> GaitSource:
         """Return the same input as that of one animal."""
@@ -185,14 +185,6 @@ class GaitSource:
         if self.called is not None or len(self.animals) != 1:
             return self.called
         return self.animals[0], self.trial_name
-
-
-def _trials_in(tables: GaitTables) -> list[tuple[str, str]]:
-    """Return each animal and trial of these tables, also of those in which no event was found."""
-    who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
-    there = list(who.itertuples(index=False, name=None))
-    every = [(str(basis.who["animal"]), str(basis.who["trial"])) for basis in tables.bases]
-    return list(dict.fromkeys([*there, *every]))
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:

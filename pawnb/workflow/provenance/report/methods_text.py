@@ -111,7 +111,7 @@ def _subjects(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     strides = tables.strides
     own_names = strides[["animal", "trial"]].drop_duplicates().astype(str)
     with_strides = set(own_names.itertuples(index=False, name=None))
-    who = list(_trials(tables))
+    who = tables.trials
     by_leg = ", ".join(f"{leg} {n}" for leg, n in strides.groupby("leg", sort=False).size().items())
     counted = _number(len({animal for animal, _ in who}), "animal")
     each = strides.groupby("animal", sort=False).size().tolist()
@@ -132,13 +132,6 @@ def _subjects(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     if unit is not None:
         said.append(f"Lengths are in {unit}{', not calibrated' if unit == 'px' else ''}.")
     return " ".join(said)
-
-
-def _trials(tables: GaitTables) -> dict[tuple[str, str], None]:
-    """Return each animal and trial that was analysed, also those in which nothing was found."""
-    found = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
-    who = dict.fromkeys(found.itertuples(index=False, name=None))
-    return who | dict.fromkeys((str(b.who["animal"]), str(b.who["trial"])) for b in tables.bases)
 
 
 def _without_strides(

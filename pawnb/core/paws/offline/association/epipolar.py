@@ -74,7 +74,7 @@ def epipolar_support(
         ]  # fmt: skip
         for point, factor in support[a].items():
             told = [
-                _ToldByView(
+                _EpipolarLines(
                     seen[b][point], F, _missed(stack, clicks[a], clicks[b], point=point, F=F)
                 )
                 for b, F in others
@@ -86,8 +86,8 @@ def epipolar_support(
 
 
 @dataclass(frozen=True)
-class _ToldByView:
-    """What another view tells of a point.
+class _EpipolarLines:
+    """Lines on which a point lies, by where another view shows it.
 
     Parameters
     ----------
@@ -154,7 +154,7 @@ class _Seen:
 class _Drawn:
     """Draws into the places (h, w) of a row how far other views support each of them."""
 
-    def __init__(self, stack: BodyStack, told: Sequence[_ToldByView], sd: float) -> None:
+    def __init__(self, stack: BodyStack, told: Sequence[_EpipolarLines], sd: float) -> None:
         self.stack, self.told = stack, told
         reach = int(_REACH_SDS * _STEPS_A_SD)
         self.step, self.middle = _STEPS_A_SD / sd, reach
