@@ -46,6 +46,14 @@ class Annotations:
         places = {r: here for r, here in self.places.items() if r != row}
         return Annotations(places, self.whole_extent)
 
+    def of(self, points: Sequence[int]) -> Annotations:
+        """Return those of some points."""
+        own = {
+            row: {p: uv for p, uv in here.items() if p in points}
+            for row, here in self.places.items()
+        }
+        return Annotations({row: here for row, here in own.items() if here}, self.whole_extent)
+
     def part(self, begin: int, end: int) -> Annotations:
         """Return the rows from ``begin`` up to ``end``, counted from ``begin``."""
         places = {r - begin: here for r, here in self.places.items() if begin <= r < end}

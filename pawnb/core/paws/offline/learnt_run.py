@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import hashlib
 import json
 from collections.abc import Callable, Mapping, Sequence
@@ -15,8 +16,8 @@ import pandas as pd
 from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
-from pawnb.core.paws.offline.detection.evidence import Detections, EvidenceKind, installed_evidence
-from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
+from pawnb.core.paws.offline.detection.evidence import installed_evidence
+from pawnb.core.paws.offline.detection.others import detections_of_others
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import RUN, OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track, run_pipeline, view_track
@@ -255,6 +256,10 @@ class _Run:
     learnt: dict[str, Learnt] = field(default_factory=dict)
     said: list[str] = field(default_factory=list)
 
+    @functools.cached_property
+    def _asked(self) -> str:
+        return _asked(self.layout, self.task, self.parameters)
+
     def track_windows(self) -> bool:
         """Track all windows that are asked for; tell whether that was done to the end."""
         first, n = self.task.frames[0], self.task.frames[1] - self.task.frames[0]
@@ -321,6 +326,10 @@ class _Run:
             track = view_track(part, result.points, n_points, chance=chance)
             take_over(self.found[v], track, begin + (rows or (0, 0))[0])
             self._take_training_frames(one.name, result.learnt, begin)
+        self.stacks.keep_evidence(
+            stacks, self._asked,
+            {one.name: own.evidence for one, own in zip(inputs, results, strict=True)},
+        )  # fmt: skip
         return [one.how_framed() for one in inputs]
 
     def _inputs(
@@ -331,15 +340,18 @@ class _Run:
         first, points, again = self.task.frames[0], self.layout.points, self.again
         frames, radius = (first + begin, first + end), self.parameters.appearance.radius
         inputs, kinds = [], [*installed_evidence(), *self.task.evidence]
+        kept = self.stacks.evidence(list(stacks.values()), self._asked)
         for v, stack in stacks.items():
-            detections = _detections(
+            detections = detections_of_others(
                 self.layout, self.task, stack, annotations=own[v], view=v, span=span, kinds=kinds
             )
             one = ViewInput(self.layout.views[v], self.layout.sizes[v], stack, own[v], detections)
             if again is not None:
                 known = again.known(one.name, points, first).part(begin, end)
                 earlier = again.earlier(one.name, points, frames=frames, stack=stack, radius=radius)
-                one = dataclasses.replace(one, known=known, earlier=earlier)
+                found, rows = kept.get(one.name), again.rows_in(first, span)
+                same = found and rows and found.unchanged(own[v], rows)
+                one = dataclasses.replace(one, known=known, earlier=earlier, kept=same or None)
             inputs.append(one)
         return inputs
 
@@ -380,32 +392,6 @@ class _Run:
         if stacks is not None:
             self.stacks.keep(names, stacks, **asked)
         return stacks
-
-
-def _detections(
-    layout: Layout,
-    task: TrackingRequest,
-    stack: BodyStack,
-    *,
-    annotations: Annotations,
-    view: int,
-    span: tuple[int, int],
-    kinds: Sequence[EvidenceKind],
-) -> list[Detections]:
-    """Return what other programs and other packages' kinds of evidence find in a view."""
-    name = layout.views[view]
-    found = [
-        kind.detect(name, stack, annotations=annotations, points=layout.points) for kind in kinds
-    ]
-    if name in task.predictions:
-        uv, likelihood = task.predictions[name].of(layout.points)
-        part = slice(*span)
-        found.append(
-            predictions_as_detections(
-                uv[part], likelihood[part], annotations, size=layout.sizes[view]
-            )
-        )
-    return found
 
 
 def _reporter(task: TrackingRequest, *, done: int, of: int) -> Callable[[int], bool]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.quality.signs import Signs, read_signs
+from pawnb.core.paws.offline.reuse.point_evidence import PointEvidence
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.self_training.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.self_training.learnt import Learnt
@@ -64,10 +66,13 @@ class ViewResult:
         Point to its track.
     learnt : Learnt
         What was learnt beside the clicks, by rows of the whole view.
+    evidence : PointEvidence
+        What the points were found by, for corrections of others.
     """
 
     points: Mapping[int, PointTrack]
     learnt: Learnt
+    evidence: PointEvidence
 
 
 @dataclass(frozen=True)
@@ -171,6 +176,8 @@ def run_pipeline(
     weighing = weighing or weigh(views, n_points, parameters)
     begin, end = rows or (0, views[0].stack.shape[0])
     again = all(view.earlier is not None for view in views)
+    if not again:  # learnt from the beginning
+        views = [dataclasses.replace(view, kept=None) for view in views]
     parameters = parameters.again() if again else parameters
     learning, powers = parameters.appearance, weighing.powers
     works = on_threads(lambda view: _Work(view, begin, end, parameters, weighing), views)
@@ -203,6 +210,8 @@ class _Work:
     ----------
     training_frames : mapping
         Row of the whole view to what is learnt from it.
+    fresh : list of int
+        Points that are looked for; of the others an earlier run has found the evidence.
     priors, others, looks : mapping
         Point to the probability of places, and to ratios of likelihoods by all kinds but
         appearance, and by appearance.
@@ -224,7 +233,14 @@ class _Work:
             whole.stack, whole.annotations, radius=self.radius, parameters=parameters
         )
         self.view = view = whole.part(begin, end)
-        self.followed = detect_by_motion(view.stack, view.annotations, parameters.motion)
+        kept = whole.kept
+        self.fresh = [p for p in whole.annotations.points if kept is None or p not in kept.looks]
+        self.followed = detect_by_motion(
+            view.stack, view.annotations.of(self.fresh), parameters.motion
+        )
+        if kept is not None:
+            self.followed = self.followed.joined(kept.followed)
+        self.correlated: Detections
         self.motion = _motion(
             view, self.followed, whole.annotations.points, power=weighing.powers.motion
         )
@@ -246,10 +262,13 @@ class _Work:
 
     def correlate_earlier(self) -> None:
         """Take in correlation, as far as it agreed with what an earlier run has found."""
-        self._add_correlation(self._correlated(), self.learnt.agreement)
+        self._correlate()
+        self._add_correlation(self.learnt.agreement)
 
     def learn(self, n_points: int) -> None:
-        """Learn what points look like."""
+        """Learn what points look like, where any is looked for."""
+        if not self.fresh:
+            return
         self.classify = learn_appearance(
             self.whole.stack,
             self.training_frames,
@@ -259,10 +278,13 @@ class _Work:
 
     def look(self) -> None:
         """Look for points by their appearance."""
-        self.looks = appearance_maps(
-            self.whole.stack, self.classify, points=self.whole.annotations.points,
-            parameters=self.parameters.appearance, rows=range(self.begin, self.end),
-        )  # fmt: skip
+        kept = self.whole.kept
+        self.looks = {} if kept is None else dict(kept.looks)
+        if self.fresh:
+            self.looks |= appearance_maps(
+                self.whole.stack, self.classify, points=self.fresh,
+                parameters=self.parameters.appearance, rows=range(self.begin, self.end),
+            )  # fmt: skip
 
     def evidence(self, trust: float) -> ViewEvidence:
         """Return what is known before points and views are compared."""
@@ -279,9 +301,9 @@ class _Work:
         if not learn:
             return
         stack = self.view.stack
-        found = self._correlated()
-        shares = agreeing_share(found, stack, self.estimates, radius=self.radius)
-        self._add_correlation(found, shares)
+        self._correlate()
+        shares = agreeing_share(self.correlated, stack, self.estimates, radius=self.radius)
+        self._add_correlation(shares)
         agreed = pseudo_labelled_frames(
             stack, self.view.annotations, estimates=self.estimates, looks=self.looks,
             priors=self.priors, name_shares={p: q.name_share for p, q in posteriors.items()},
@@ -300,18 +322,23 @@ class _Work:
             clicked=self.view.annotations, left_out=self.left_out,
         )  # fmt: skip
         points = {p: PointTrack(found, signs[p]) for p, found in self.estimates.items()}
-        return ViewResult(points, self.learnt)
+        evidence = PointEvidence(
+            self.begin, self.end, self.whole.annotations, self.followed, self.correlated, self.looks
+        )
+        return ViewResult(points, self.learnt, evidence)
 
-    def _correlated(self) -> Detections:
-        """Return where patches about clicks were found again."""
-        return detect_by_correlation(
-            self.view.stack, self.view.annotations, self.parameters.correlation,
+    def _correlate(self) -> None:
+        """Find patches about clicks again."""
+        found = detect_by_correlation(
+            self.view.stack, self.view.annotations.of(self.fresh), self.parameters.correlation,
             radius_px=self.parameters.appearance.radius, followed=self.followed,
         )  # fmt: skip
+        kept = self.whole.kept
+        self.correlated = found if kept is None else found.joined(kept.correlated)
 
-    def _add_correlation(self, found: Detections, shares: Mapping[int, float]) -> None:
+    def _add_correlation(self, shares: Mapping[int, float]) -> None:
         """Add ratios by correlation, as far as it agrees with what others have found."""
-        trusted = trust_by_agreement(found, shares)
+        trusted = trust_by_agreement(self.correlated, shares)
         self.others = {
             p: own * paint(trusted, self.view.stack, p) for p, own in self.motion.items()
         }

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.reuse.point_evidence import PointEvidence
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.self_training.learnt import Earlier
 
@@ -33,6 +34,9 @@ class ViewInput:
         never trained on.
     earlier : Earlier, optional
         An earlier run on the same rows, from which what it has learnt is taken.
+    kept : PointEvidence, optional
+        What that run has found of points whose clicks are the same by now, in the rows that are
+        tracked again.
     """
 
     name: str
@@ -42,6 +46,7 @@ class ViewInput:
     detections: Sequence[Detections] = ()
     known: Annotations = field(default_factory=lambda: Annotations({}))
     earlier: Earlier | None = None
+    kept: PointEvidence | None = None
 
     def part(self, begin: int, end: int) -> ViewInput:
         """Return the rows from ``begin`` up to ``end``, with all that is certain in them."""

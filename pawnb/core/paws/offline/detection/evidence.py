@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
@@ -42,18 +43,30 @@ class Detections:
 
     def within(self, n: int) -> Detections:
         """Return those of the first n rows that have a position."""
-        kept = (self.row >= 0) & (self.row < n) & np.isfinite(self.uv).all(axis=1)
-        return Detections(
-            *(a[kept] for a in (self.row, self.point, self.uv, self.log_odds, self.sd_px))
-        )
+        return self._where((self.row >= 0) & (self.row < n) & np.isfinite(self.uv).all(axis=1))
 
     def part(self, begin: int, end: int) -> Detections:
         """Return those of the rows from ``begin`` up to ``end``, counted from ``begin``."""
-        kept = (self.row >= begin) & (self.row < end)
-        return Detections(
-            self.row[kept] - begin,
-            *(a[kept] for a in (self.point, self.uv, self.log_odds, self.sd_px)),
-        )
+        return self._where((self.row >= begin) & (self.row < end)).moved(-begin)
+
+    def of(self, points: Sequence[int]) -> Detections:
+        """Return those of some points."""
+        return self._where(np.isin(self.point, list(points)))
+
+    def moved(self, rows: int) -> Detections:
+        """Return the same so many rows later."""
+        return dataclasses.replace(self, row=self.row + rows)
+
+    def joined(self, others: Detections) -> Detections:
+        """Return these and others."""
+        pairs = zip(self._columns(), others._columns(), strict=True)
+        return Detections(*(np.concatenate(pair) for pair in pairs))
+
+    def _where(self, kept: np.ndarray) -> Detections:
+        return Detections(*(a[kept] for a in self._columns()))
+
+    def _columns(self) -> tuple[np.ndarray, ...]:
+        return self.row, self.point, self.uv, self.log_odds, self.sd_px
 
 
 class EvidenceKind(Protocol):

@@ -9,15 +9,17 @@ the same size.
 
 from __future__ import annotations
 
+import operator
 import threading
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import RUN, SceneParameters
+from pawnb.core.paws.offline.reuse.point_evidence import PointEvidence
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.schema import Tracks
 
@@ -47,6 +49,35 @@ class RunBefore:
     tracks: Tracks
 
 
+@dataclass(frozen=True)
+class _Kept:
+    """Stacks of a window, and what its points were found by.
+
+    Parameters
+    ----------
+    stacks : list of BodyStack
+        Of each view.
+    asked : str
+        Of what points, and how, beside their clicks.
+    evidence : mapping
+        View to what was found there.
+    """
+
+    stacks: list[BodyStack]
+    asked: str = ""
+    evidence: Mapping[str, PointEvidence] = field(default_factory=dict)
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of memory."""
+        return sum(own.nbytes for own in self.evidence.values()) + sum(
+            array.nbytes
+            for stack in self.stacks
+            for array in (stack.grey, stack.colour, stack.forward, stack.backward)
+            if array is not None
+        )
+
+
 class KeptStacks:
     """Stacks of one recording, and the last run on it; may be used from several threads.
 
@@ -58,7 +89,7 @@ class KeptStacks:
 
     def __init__(self, most_bytes: float = MOST_BYTES) -> None:
         self._most_bytes = most_bytes
-        self._stacks: dict[tuple[object, ...], list[BodyStack]] = {}
+        self._stacks: dict[tuple[object, ...], _Kept] = {}
         self._lock = threading.Lock()
         self._run: RunBefore | None = None
 
@@ -105,10 +136,10 @@ class KeptStacks:
             The stacks.
         """
         with self._lock:
-            stacks = self._stacks.get((*names, frames, parameters))
-        if stacks is None or not all(map(fits, stacks, annotations)):
+            kept = self._stacks.get((*names, frames, parameters))
+        if kept is None or not all(map(fits, kept.stacks, annotations)):
             return None
-        return stacks
+        return kept.stacks
 
     def keep(
         self,
@@ -133,9 +164,58 @@ class KeptStacks:
         """
         with self._lock:
             self._stacks.pop((*names, frames, parameters), None)
-            self._stacks[*names, frames, parameters] = stacks
-            while sum(map(_size, self._stacks.values())) > self._most_bytes:
-                del self._stacks[next(iter(self._stacks))]
+            self._stacks[*names, frames, parameters] = _Kept(stacks)
+            self._make_room()
+
+    def evidence(self, stacks: Sequence[BodyStack], asked: str) -> Mapping[str, PointEvidence]:
+        """Return what the points were found by in some stacks, view by view, if it is kept.
+
+        Parameters
+        ----------
+        stacks : sequence of BodyStack
+            Stacks of one window.
+        asked : str
+            Of what points, and how, beside their clicks.
+        """
+        with self._lock:
+            key = self._key_of(stacks)
+            kept = None if key is None else self._stacks[key]
+        return {} if kept is None or kept.asked != asked else kept.evidence
+
+    def keep_evidence(
+        self, stacks: Sequence[BodyStack], asked: str, found: Mapping[str, PointEvidence]
+    ) -> None:
+        """Keep what the points were found by, beside their stacks, if these are kept.
+
+        Parameters
+        ----------
+        stacks, asked
+            As for :meth:`evidence`.
+        found : mapping
+            View to what was found there.
+        """
+        with self._lock:
+            key = self._key_of(stacks)
+            if key is None:
+                return
+            kept = self._stacks[key]
+            now = {view: own.compact() for view, own in found.items()}
+            if kept.asked == asked:
+                before = kept.evidence
+                now = {view: before[view].updated(own) for view, own in now.items()}
+            self._stacks[key] = _Kept(kept.stacks, asked, now)
+            self._make_room()
+
+    def _key_of(self, stacks: Sequence[BodyStack]) -> tuple[object, ...] | None:
+        """Return under what just these stacks are kept, if they are."""
+        for key, kept in self._stacks.items():
+            if len(kept.stacks) == len(stacks) and all(map(operator.is_, kept.stacks, stacks)):
+                return key
+        return None
+
+    def _make_room(self) -> None:
+        while sum(kept.nbytes for kept in self._stacks.values()) > self._most_bytes:
+            del self._stacks[next(iter(self._stacks))]
 
 
 def same_size(before: Sequence[Annotations], now: Sequence[Annotations]) -> bool:
@@ -181,12 +261,3 @@ def fits(stack: BodyStack, annotations: Annotations) -> bool:
             if not ((low <= xy) & (xy <= high)).all():
                 return False
     return True
-
-
-def _size(stacks: list[BodyStack]) -> int:
-    return sum(
-        array.nbytes
-        for stack in stacks
-        for array in (stack.grey, stack.colour, stack.forward, stack.backward)
-        if array is not None
-    )
