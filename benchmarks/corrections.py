@@ -65,7 +65,8 @@ def measure(clip: real.Clip, folder: Path) -> dict[str, object]:
     others = ~pd.MultiIndex.from_frame(first[["frame", "view", "point"]]).isin(keys)
     return {
         "clip": clip.name, "corrections": len(corrected), "other marks": int(others.sum()),
-        "right before": int(first["ok"][others].sum()), "right after": int(last["ok"][others].sum()),
+        "right before": int(first["ok"][others].sum()),
+        "right after": int(last["ok"][others].sum()),
         "processor time of each, s": round(pd.Series(seconds).median(), 2),
     }  # fmt: skip
 

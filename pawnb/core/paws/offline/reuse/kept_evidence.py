@@ -57,14 +57,14 @@ class _Kept:
     ----------
     stacks : list of BodyStack
         Of each view.
-    asked : str
-        Of what points, and how, beside their clicks.
+    asked : str or None
+        Of what points, and how, beside their clicks; None where no evidence is kept.
     evidence : mapping
         View to what was found there.
     """
 
     stacks: list[BodyStack]
-    asked: str = ""
+    asked: str | None = None
     evidence: Mapping[str, PointEvidence] = field(default_factory=dict)
 
     @property

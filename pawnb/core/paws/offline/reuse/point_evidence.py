@@ -75,15 +75,6 @@ class PointEvidence:
             {p: self.looks[p][begin:end].astype(np.float32) for p in same},
         )
 
-    def joined(self, others: PointEvidence) -> PointEvidence:
-        """Return it together with that of other points in the same rows."""
-        return dataclasses.replace(
-            self,
-            followed=self.followed.joined(others.followed),
-            correlated=self.correlated.joined(others.correlated),
-            looks={**self.looks, **others.looks},
-        )
-
     def updated(self, new: PointEvidence) -> PointEvidence:
         """Return it with what was found later in some of its rows.
 

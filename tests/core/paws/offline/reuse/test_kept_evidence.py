@@ -11,9 +11,11 @@ import pytest
 
 from pawnb.core.paws.offline import learnt_run, pipeline
 from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.learnt_run import track_learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, fits, same_size
+from pawnb.core.paws.offline.reuse.point_evidence import PointEvidence
 from pawnb.core.paws.offline.reuse.retracking import TRUST, after_correction
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE
@@ -131,6 +133,24 @@ def test_views_of_another_name_have_evidence_of_their_own(make_stack):
     assert stacks.find(["side"], nothing, frames=(1, 5), parameters=SCENE) is None
 
 
+def test_evidence_of_points_is_kept_with_its_stacks_and_for_the_same_request(make_stack):
+    stack = make_stack(np.zeros((4, 60, 90), np.uint8))
+    none = Detections(*(np.empty(0, int),) * 2, np.empty((0, 2)), *(np.empty(0),) * 2)
+    looks = {0: np.ones((4, 15, 22), np.float32)}
+    evidence = PointEvidence(0, 4, Annotations({}), none, none, looks)
+    stacks = KeptStacks(most_bytes=60_000)  # stack and flow have 50400 bytes, looks 2640
+    stacks.keep(["side"], [stack], frames=(0, 4), parameters=SCENE)
+    stacks.keep_evidence([stack], "these points", {"side": evidence})
+    assert list(stacks.evidence([stack], "these points")) == ["side"]
+    assert not stacks.evidence([stack], "other points")
+    assert not stacks.evidence([dataclasses.replace(stack)], "these points")
+    stacks.keep(["side"], [stack], frames=(0, 4), parameters=SCENE)  # read anew
+    assert not stacks.evidence([stack], "these points")
+    many = {p: np.ones((4, 15, 22), np.float32) for p in range(5)}
+    stacks.keep_evidence([stack], "", {"side": dataclasses.replace(evidence, looks=many)})
+    assert stacks.find(["side"], [Annotations({})], frames=(0, 4), parameters=SCENE) is None
+
+
 def test_no_more_is_kept_than_there_is_room_for(make_stack):
     stack = make_stack(np.zeros((4, 60, 90), np.uint8))  # 21600 bytes, and flow of 28800
     stacks = KeptStacks(most_bytes=120_000)
@@ -190,13 +210,14 @@ def test_what_is_tracked_again_passes_through_the_correction(views, kept, monkey
                                           columns=start.columns)])  # fmt: skip
     read, looked_at, maps = views.read, [], pipeline.appearance_maps
 
-    def look(*args, rows, **rest):
-        looked_at.append(rows)
-        return maps(*args, rows=rows, **rest)
+    def look(*args, rows, points, **rest):
+        looked_at.append((list(points), rows))
+        return maps(*args, rows=rows, points=points, **rest)
 
     monkeypatch.setattr(pipeline, "appearance_maps", look)
     found = run(views, more, looked=start, stacks=stacks if kept else None, again=again)
-    assert looked_at == [range(8, 21)]  # once, and in its frames only
+    # once, in its frames only, and for the other point where nothing is kept of it
+    assert looked_at == [([0] if kept else [0, 1], range(8, 21))]
     assert views.read == (read if kept else read + N)
     uv = positions(found)
     np.testing.assert_allclose(uv[8, 0], way()[8, 0] + [0.0, 6.0], atol=1e-9)
@@ -205,6 +226,28 @@ def test_what_is_tracked_again_passes_through_the_correction(views, kept, monkey
     assert not rows[list(range(2)) + list(range(3, 8)) + list(range(21, N))].any()
     off = np.linalg.norm(uv[9:21, 1] - way()[9:21, 1], axis=-1)
     assert np.nanmax(off) < 4  # the other point is followed on
+
+
+@pytest.mark.slow
+def test_a_correction_that_was_taken_back_is_not_known_any_more(views, monkeypatch):
+    stacks, start = KeptStacks(), clicks([2, 20])
+    tracks = run(views, start, stacks=stacks)
+    at = way()[8, 0] + [0.0, 6.0]
+    more = pd.concat([start, pd.DataFrame([(8, "side", "FR", *at)], columns=start.columns)])
+    again = after_correction(corrected(tracks, 8, "FR", at), 8, ["FR"])
+    run(views, more, looked=start, stacks=stacks, again=again)
+    looked_for, maps = [], pipeline.appearance_maps
+    monkeypatch.setattr(
+        pipeline, "appearance_maps",
+        lambda *args, points, **rest: looked_for.append(list(points))
+        or maps(*args, points=points, **rest),
+    )  # fmt: skip
+    undone = after_correction(corrected(tracks, 8, "HR", way()[8, 1]), 8, ["HR"])
+    other = pd.DataFrame([(8, "side", "HR", *way()[8, 1])], columns=start.columns)
+    found = run(views, pd.concat([start, other]), looked=start, stacks=stacks, again=undone)
+    assert looked_for == [[0, 1]]  # both: the one is placed, the other is not any more
+    off = np.linalg.norm(positions(found)[8:21] - way()[8:21], axis=-1)
+    assert np.nanmax(off) < 4
 
 
 @pytest.mark.slow
