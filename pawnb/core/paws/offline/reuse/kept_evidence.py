@@ -1,10 +1,10 @@
 """Evidence of an earlier run, kept in memory: pictures in the body's frame, with their flow.
 
-When clicks are added or corrected only what they change is worked out again: appearance and the
-association of places. What takes longest, decoding and optical flow, depends on clicks only by
-the body's frame, and that of earlier clicks serves while later ones lie well within it. Where they
-do not, pictures are read anew; what was learnt of the points still serves, if the animal is of
-the same size.
+When clicks are added or corrected only what they change is worked out again: appearance of the
+points that were placed (:mod:`.point_evidence`) and the association of places. What takes longest,
+decoding and optical flow, depends on clicks only by the body's frame, and that of earlier clicks
+serves while later ones lie well within it. Where they do not, pictures are read anew; what was
+learnt of the points still serves, if the animal is of the same size.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from pawnb.schema import Tracks
 
 GONE_ON_FROM = "gone_on_from_clicks"
 """Attribute of tracks: the clicks of the runs that this one has gone on from, as JSON."""
-MOST_BYTES = 1e9
-"""Resource: stacks of one recording are kept up to so much: 2000 frames of a view, or 500 of
-four."""
+MOST_BYTES = 1.2e9
+"""Resource: stacks of one recording, and what its points were found by, are kept up to so much:
+about 1200 frames of a view, or 300 of four."""
 
 
 @dataclass(frozen=True)
