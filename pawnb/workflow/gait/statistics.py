@@ -34,7 +34,11 @@ COMPARED_MEASURES = (
 """Measures of strides that are summarised and compared."""
 
 BY_LEG = ("period_s", "stance_s", "swing_s", "duty_factor", "stride_length")
-AGAINST_SPEED = ("frequency_hz", "stride_length", "swing_s", "stance_s", "duty_factor")
+AGAINST_SPEED = (
+    "frequency_hz", "stride_length", "swing_s", "stance_s", "duty_factor", "wave_gait_margin",
+)  # fmt: skip
+AGAINST_FREQUENCY = ("swing_s", "stance_s")
+"""Measures that Pullar's (2009) Table 4.5 and Fig. 4.7 set against stride frequency, too."""
 _FEWEST_FOR_SLOPE = 3
 ALL_LEGS = "all"
 """In place of a leg's name where legs were averaged."""
@@ -64,7 +68,8 @@ def statistics_tables(
         strides, leg by leg, counting animals), ``steadiness`` (trial by trial),
         ``stride_durations`` (whether legs keep one rhythm, trial by trial), ``legs`` (whether
         measures differ between legs, over two animals or more),
-        ``against_speed`` (Pullar 2009, Table 4.5; three trials or more of known speed),
+        ``against_speed`` (Pullar 2009, Table 4.5, of all legs together, where the thesis has L2;
+        three trials or more of known speed),
         ``phase_speed`` (slopes of phase on speed within animals, where speeds are known),
         ``joint_ranges`` (Table 4.6) and ``groups`` (two groups or more; column ``role``:
         ``measure``, legs averaged first; ``phase`` of a pair of legs; ``follow-up``, a measure
@@ -197,17 +202,23 @@ def _compare_legs(strides: pd.DataFrame) -> pd.DataFrame:
 
 def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:
     """Fit measures on speed over trials; empty where there are too few of different speed."""
-    predictors = ["speed", "speed_bl"]
-    means = strides.groupby(["animal", "trial"])[[*AGAINST_SPEED, *predictors]].mean()
-    # a line needs three points that are not at one speed
-    usable = [x for x in predictors if means[x].nunique() >= _FEWEST_FOR_SLOPE]
-    parts = []
-    for outcome in AGAINST_SPEED:
-        for x in usable:
-            known = means[[outcome, x]].dropna()[x]
-            if known.nunique() >= _FEWEST_FOR_SLOPE and differ(known.to_numpy(float)):
-                parts.append(speed_table(strides, [outcome], [x]))
+    speeds, frequency = ["speed", "speed_bl"], "frequency_hz"
+    names = list(dict.fromkeys([*AGAINST_SPEED, *speeds]))
+    means = strides.groupby(["animal", "trial"])[names].mean()
+    if not any(_is_axis(means[x].dropna()) for x in speeds):
+        return pd.DataFrame()
+    parts = [
+        speed_table(strides, [outcome], [x])
+        for outcome in AGAINST_SPEED
+        for x in (*speeds, *([frequency] if outcome in AGAINST_FREQUENCY else []))
+        if _is_axis(means[[outcome, x]].dropna()[x])
+    ]
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+
+def _is_axis(known: pd.Series) -> bool:
+    """Say whether a line can be fitted: three points or more that are not at one place."""
+    return known.nunique() >= _FEWEST_FOR_SLOPE and differ(known.to_numpy(float))
 
 
 def _phase_speed(tables: GaitTables) -> pd.DataFrame:

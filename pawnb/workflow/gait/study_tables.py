@@ -27,7 +27,7 @@ Fields = Mapping[tuple[str, str], Mapping[str, Any]]
 
 MASS = ("mass_g", "mass_kg", "mass_mg", "mass")
 LENGTH = ("body_length", "body_length_mm", "body_length_cm", "carapace_mm", "carapace_cm")
-PARAMETERS = ("speed", "frequency_hz", "stride_length")
+PARAMETERS = ("speed", "speed_bl", "frequency_hz", "stride_length")
 PER_METRE = {"mm": 1000.0, "cm": 100.0, "m": 1.0}
 _FEWEST_ANIMALS = 3
 _STRIDE = "stride"
@@ -130,9 +130,7 @@ def size_tables(strides: pd.DataFrame, fields: Fields) -> dict[str, pd.DataFrame
         (:data:`MASS`, :data:`LENGTH`) and it is not the same in all.
     """
     sized, sizes = with_sizes(strides, fields)
-    outcomes = [
-        name for name in PARAMETERS if sized[name].notna().all() and (sized[name] > 0).all()
-    ]
+    outcomes = _parameters_of(sized)
     if not sizes or not outcomes:
         return {}
     found = {"scaling": scaling_table(sized, outcomes, sizes)}
@@ -169,16 +167,22 @@ def size_drawings(strides: pd.DataFrame, fields: Fields, *, unit: str | None) ->
     sized, sizes = with_sizes(strides, fields)
     names = {
         "speed": with_unit("Speed", speed_unit(unit)),
+        "speed_bl": "Speed (lengths/s)",
         "frequency_hz": "Stride frequency (Hz)",
         "stride_length": with_unit("Stride length", unit),
     }
+    known = _parameters_of(sized)
     for size in sizes:
-        known = [name for name in PARAMETERS if (sized[name] > 0).all()]
         if known:
             pairs = [(name, size) for name in known]
             build = partial(figures.build_regression_table, sized, pairs, kind="power")
             said = {**names, size: _said(size, unit)}
             yield make_drawing(f"against_{size}", "regression", build, names=said)
+
+
+def _parameters_of(strides: pd.DataFrame) -> list[str]:
+    """Return the measures that are compared with size: those known and above 0 in every stride."""
+    return [name for name in PARAMETERS if name in strides and (strides[name] > 0).all()]
 
 
 def with_sizes(strides: pd.DataFrame, fields: Fields) -> tuple[pd.DataFrame, list[str]]:

@@ -252,7 +252,15 @@ def test_the_command_writes_them(tmp_path):
     assert {f"{name}.csv" for name in names} <= written
     assert all((out / name).is_file() for name in written)
     against = pd.read_csv(out / "against_speed.csv")
-    assert set(against["predictor"]) == {"speed", "speed_bl"}
+    # the rows of Pullar's (2009) Table 4.5: protraction and retraction also against frequency
+    assert set(against["predictor"]) == {"speed", "speed_bl", "frequency_hz"}
+    on_frequency = against[against["predictor"] == "frequency_hz"]
+    assert on_frequency["outcome"].tolist() == ["swing_s", "stance_s"]
+    slopes_of = against.set_index(["outcome", "predictor"])["b"]
+    # S = n / 4 duty - 3 / 4 (its appendix A), with eight legs
+    np.testing.assert_allclose(
+        slopes_of["wave_gait_margin"], 2.0 * slopes_of["duty_factor"], rtol=1e-9
+    )
     assert set(against["n_animals"]) == {4}
     slopes = pd.read_csv(out / "phase_speed.csv")
     assert len(slopes) == len(pd.read_csv(out / "phase_summary.csv"))

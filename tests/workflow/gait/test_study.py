@@ -288,6 +288,24 @@ def test_powers_of_size_are_found():
     }  # fmt: skip
 
 
+def test_speed_in_body_lengths_is_compared_with_size():
+    """Rows of normalised speed in Pullar's (2009) Table 4.3, and Fig. 4.1 c and d."""
+    mass = np.array([1.0, 2.0, 4.0, 9.0])
+    strides = pd.DataFrame(
+        {"animal": list("abcd"), "trial": "t", "speed": 360 * mass**0.24,
+         "speed_bl": 20 * mass**-0.09, "frequency_hz": 12 * mass**-0.14,
+         "stride_length": 30 * mass**0.38}
+    )  # fmt: skip
+    fields = {(name, "t"): {"mass_g": m} for name, m in zip("abcd", mass, strict=True)}
+    rows = study_tables.size_tables(strides, fields)["scaling"].query("parameter == 'speed_bl'")
+    assert rows["statistic"].tolist() == ["mean", "min", "max"]
+    np.testing.assert_allclose(rows["b"], -0.09, rtol=1e-9)
+    np.testing.assert_allclose(rows["a"], 20.0, rtol=1e-9)
+    drawing = next(study_tables.size_drawings(strides, fields, unit="mm"))
+    table, _ = drawing.draw()
+    assert set(table["outcome"]) == {"speed", "speed_bl", "frequency_hz", "stride_length"}
+
+
 def test_reference_lines_follow_mass_unit_and_legs():
     """A mouse of 30 g: 0.66 m/s and 7.32 Hz by the laws of Heglund et al. (1974)."""
     strides = pd.DataFrame({"leg": ["FL", "FR", "HL", "HR"]})
