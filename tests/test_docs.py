@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import pkgutil
 import re
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = (ROOT / "docs" / "published_methods.md").read_text(encoding="utf-8")
-PAWS, POSES = METHODS.split("## Poses")
+PAWS, POSES, GAIT = re.split("## Poses|## Gait", METHODS)
 
 
 def rows(text):
@@ -54,6 +55,28 @@ def test_names_that_are_hinted_at_are_those_of_the_table(text, names):
     found = rows(text)
     for theirs, ours in names.items():
         assert any(theirs in re.split(r"[ ,()]+", row) and ours in own for row, own, _ in found)
+
+
+def test_the_thesis_equations_tables_and_figures_stand_beside_calls_that_exist():
+    """Pullar (2009): Eq. 3.18 to 3.26, Tables 4.1 to 4.6 and 5.1, Figs. 4.1 to 4.19 and 5.1."""
+    calls = re.findall(r"`(pawnb(?:\.\w+)+)`", GAIT)
+    assert len(calls) > 40
+    for call in calls:
+        assert callable(pkgutil.resolve_name(call)), call
+    lines = [line.strip("|").split("|") for line in GAIT.splitlines() if line.startswith("| ")]
+    said = " ".join(name for name, *_ in lines)
+    numbers = {}
+    for kind in ("Eq", "Table", "Fig"):
+        lists = re.findall(rf"{kind}s?\.? ((?:\d\.\d+|, | to )+)", said)
+        ranges = re.findall(r"(\d)\.(\d+)(?: to \d\.(\d+))?", "; ".join(lists))
+        numbers[kind] = {
+            f"{chapter}.{number}"
+            for chapter, first, last in ranges
+            for number in range(int(first), int(last or first) + 1)
+        }
+    assert numbers["Eq"] == {f"3.{k}" for k in range(18, 27)}
+    assert numbers["Table"] == {"4.1", "4.2", "4.3", "4.4", "4.5", "4.6", "5.1"}
+    assert numbers["Fig"] >= {f"4.{k}" for k in range(1, 20)} | {"3.10", "3.11", "5.1"}
 
 
 def test_section_3_2_of_the_2019_paper_is_complete():

@@ -19,8 +19,9 @@ from pawnb.figures.panels import (
     speed_unit,
     with_unit,
 )
-from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs
+from pawnb.figures.phases_shown import choose_pairs
 from pawnb.figures.style import mark_animals, style
+from pawnb.gait.analysis.phase_patterns import NEAR
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.regression.phase_slopes import phases_at_speeds, slope_of_pair
 from pawnb.schema import check_columns
@@ -120,7 +121,7 @@ def _lines(own: pd.DataFrame) -> pd.DataFrame:
 
 def plot_phase_speed(
     table: pd.DataFrame, *, ax: Axes | None = None, unit: str | None = None,
-    x_label: str | None = None,
+    x_label: str | None = None, near: float = NEAR,
 ) -> Axes:  # fmt: skip
     """Draw phase against speed: a shape and a line an individual, anti-phase between dashes.
 
@@ -141,6 +142,9 @@ def plot_phase_speed(
         Unit of length of the speeds.
     x_label : str, optional
         Name and unit of the x axis, where it is no speed in that unit.
+    near : float
+        How far from 0.5, or from 0, the dashes are, cycles. Default 0.1, within which a mean is
+        named anti-phase or in-phase; in the paper 0.25.
 
     Returns
     -------
@@ -150,7 +154,8 @@ def plot_phase_speed(
     Raises
     ------
     InputError
-        If a column is missing, the table is empty, or there are several pairs for one axes.
+        If a column is missing, the table is empty, there are several pairs for one axes, or
+        ``near`` is not above 0 and below 0.5.
 
     Examples
     --------
@@ -160,6 +165,8 @@ def plot_phase_speed(
     >>> ax = figures.plot_phase_speed(table, unit="mm")
     """
     check_columns(table, COLUMNS, where="phase against speed")
+    if not 0.0 < near < 0.5:
+        raise InputError(f"near is {near}; expected above 0 and below 0.5 cycle.")
     pairs = [own for _, own in table.groupby(["leg", "reference"], sort=False)]
     marks = mark_animals(table["animal"])
     with style():
@@ -173,7 +180,7 @@ def plot_phase_speed(
                 draw_points(panel, part["speed"], (part["phase"] - low) % 1.0 + low,
                             mark=marks[str(animal)], alpha=0.8, clip_on=False)  # fmt: skip
                 _draw_line(panel, part, low)
-            for limit in ANTI_PHASE_ZONE:
+            for limit in (0.5 - near, 0.5 + near):
                 panel.axhline(limit + low, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
             panel.set_ylim(low - 0.03, low + 1.03)
             ends = ("0", "0.5", "1") if low == 0.0 else ("0.5", "0", "0.5")

@@ -136,3 +136,18 @@ def test_speeds_that_hardly_differ_have_plain_numbers():
     ax.figure.canvas.draw()
     assert ax.xaxis.get_offset_text().get_text() == ""
     assert np.ptp(ax.get_xlim()) == pytest.approx(0.05 * 599.7, rel=0.01)
+
+
+def test_dashes_may_stand_where_the_thesis_has_them():
+    """Pullar (2009), section 3.6 and Figs. 4.18, 4.19: anti-phase is between 0.25 and 0.75."""
+    phases, strides = tables()
+    table = build_phase_speed_table(phases, strides)
+
+    def dashes(**options):
+        ax = plot_phase_speed(table, **options)
+        return [line.get_ydata()[0] for line in ax.lines if line.is_dashed()]
+
+    np.testing.assert_allclose(dashes(), [0.4, 0.6])
+    np.testing.assert_allclose(dashes(near=0.25), [0.25, 0.75])
+    with pytest.raises(InputError, match="near is 25; expected above 0"):
+        plot_phase_speed(table, near=25)

@@ -123,13 +123,15 @@ def joint_angles_of(
     Returns
     -------
     pandas.DataFrame or None
-        :data:`pawnb.gait.joints.ANGLE_COLUMNS`; None where no Tracks hold any angle.
+        :data:`pawnb.gait.joints.ANGLE_COLUMNS`; None where no Tracks hold any angle. Angles of
+        a method that does not smooth (``paper``) are smoothed first, as in the thesis.
     """
     parts = []
     for tracks, animal, trial in sources:
         if "joint_angle" not in tracks or np.isnan(tracks["joint_angle"]).all():
             continue
-        own = get_joint_angles(tracks, trial=trial)
+        # tracks that tell no uncertainty are not smoothed yet, and the worst frame is the extreme
+        own = get_joint_angles(tracks, trial=trial, smooth="sd" not in tracks)
         parts.append(own if animal is None else own.assign(animal=animal))
     return pd.concat(parts, ignore_index=True) if parts else None
 
