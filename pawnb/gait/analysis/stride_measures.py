@@ -29,9 +29,10 @@ MEASURE_COLUMNS = (
 body's frame. ``excursion_deg``: leg angle at the next AEP minus at the PEP, the swing's (Pullar
 2009, Fig. 4.8). ``swing_distance``: way of the foot over the ground in swing (Fig. 4.9 has the
 tibia's; the body moves too). ``swing_velocity_deg_s``, ``stance_velocity_deg_s``: mean angular
-velocity (Figs. 4.10, 4.11); ``..._peak_...``: the greatest in magnitude, with its sign. ``aep_lateral``, ``pep_lateral``:
-to the animal's right in the body's frame. ``step_length``, ``step_width``: from where the partner
-on the other side last landed to where this foot lands, along and across the heading.
+velocity (Figs. 4.10, 4.11); ``..._peak_...``: the greatest in magnitude, with its sign.
+``aep_lateral``, ``pep_lateral``: to the animal's right in the body's frame. ``step_length``,
+``step_width``: from where the partner on the other side last landed to where this foot lands, along
+and across the heading.
 ``heading_deg``: mean direction of the body, from the first axis of the positions towards the
 second; ``heading_change_deg``: its turn over the stride. ``swing_height``: how high the foot is
 lifted in swing, above its median height in the stance before; ``toe_clearance``: its least height

@@ -11,7 +11,7 @@ import pandas as pd
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
-from pawnb.core.pose.pose_suspects import chances_of_tips
+from pawnb.core.pose.pose_suspects import chances_of_crossing, chances_of_tips
 from pawnb.core.video.doubts.frozen_labels import freezes_in_words, freezes_of_tracks
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import as_word, read_text
@@ -50,8 +50,7 @@ def assess_quality(tracks: Tracks) -> Quality:
     True
     """
     if is_pose(tracks):
-        tips = tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names])
-        quality = assess(_with_chances(tips))
+        quality = assess(_with_chances(tracks))
     else:
         quality = assess(tracks, clicks=clicks_of_tracks(tracks))
     still = tuple(
@@ -61,15 +60,21 @@ def assess_quality(tracks: Tracks) -> Quality:
     return replace(quality, reasons=(*still, *quality.reasons))
 
 
-def _with_chances(poses: Tracks) -> Tracks:
-    """Return poses of one view whose labels have the probability of being right; others as are."""
-    if poses.sizes["view"] > 1 or "sd" not in poses:
-        return poses  # in space all views decide; without sd they are of another method
+def _with_chances(tracks: Tracks) -> Tracks:
+    """Return body and tips; of one view their labels have the probability of being right."""
+    poses = tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names])
+    if poses.sizes["view"] > 1:
+        return poses  # in space all views decide
     sure = poses["image_confidence"]
-    # where no leg is seen, as where a film stands still, there is no body that legs follow
-    is_seen = sure.sel(keypoint=BODY_POINT, drop=True) > 0.0
-    chances = sure.copy(data=chances_of_tips(sure.to_numpy()))
-    confidence = chances.where(is_seen, 0.0).transpose(*sure.dims)
+    if "sd" not in poses:  # those of method "paper"
+        dims = ("time", "view", "keypoint", "individual")
+        chances = sure.transpose(*dims).copy(data=chances_of_crossing(tracks)[:, None, :, None])
+        confidence = chances.where(sure > 0.0, 0.0).transpose(*sure.dims)
+    else:
+        # where no leg is seen, as where a film stands still, there is no body that legs follow
+        is_seen = sure.sel(keypoint=BODY_POINT, drop=True) > 0.0
+        chances = sure.copy(data=chances_of_tips(sure.to_numpy()))
+        confidence = chances.where(is_seen, 0.0).transpose(*sure.dims)
     confidence.attrs[CALIBRATED] = 1
     return poses.assign(image_confidence=confidence)
 
