@@ -51,7 +51,7 @@ class Maghsoudi2019Settings:
     window_v_px : float
         Half the height of the sub-image (PawYWindowSize, 40).
     median_px : float
-        Size of the median filter, rounded to the next odd number; 1 or less is no
+        Size of the median filter, rounded to the nearest odd number; 1 or less is no
         filter. The paper names the filter but not its size.
     min_paw_area_px : float
         Fewest pixels that a paw covers (mnop of Eq. 10, 50). Eq. 10 gives the number of
