@@ -24,6 +24,9 @@ _EXPECTED = "the .slp or analysis .h5 that SLEAP writes"
 _ORDER = ("track", "xy", "node", "frame")
 """Order of the dimensions of ``tracks`` where the file does not say."""
 
+_VIDEO = "video_path"
+"""Column of sleap-io's csv of instances where the labels are of several videos."""
+
 _ONE = "id_0"
 _USER, _PREDICTED = 0, 1
 _CENTRED = 1.1
@@ -111,9 +114,19 @@ def _read_table(path: Path) -> _Read:
     if missing or not points or cells.empty:
         what = f"column {missing[0]} is missing" if missing else "no point, or no row"
         raise InputError(f"{where}: {what}; SLEAP writes <node>.x, <node>.y and <node>.score.")
+    videos = list(dict.fromkeys(cells[_VIDEO])) if _VIDEO in names else []
+    if len(videos) > 1:
+        raise InputError(
+            f"{where}: rows of {len(videos)} videos, {', '.join(map(str, videos[:3]))}"
+            f"{' ...' * (len(videos) > 3)}, whose frames are numbered alike; export a file of each "
+            "video."
+        )
     at = read_numbers(cells, "frame_idx", where=where, whole=True)
     if (np.diff(at) < 0).any():
-        raise InputError(f"{where}: frames do not rise; sort the rows by frame_idx.")
+        raise InputError(
+            f"{where}: frames do not rise; sort the rows by frame_idx, or export a file of each "
+            "video where these are of several."
+        )
     frames, row = np.unique(at, return_inverse=True)
     individuals = sorted(set(cells["track"])) if (cells["track"] != "").any() else []
     if "" in individuals:

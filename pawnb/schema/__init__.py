@@ -21,6 +21,7 @@ from pawnb.schema.frames import (
     check_frames,
     every_frame,
     note_absent,
+    rows_with_places,
 )
 from pawnb.schema.settings import (
     SettingsT,
@@ -68,6 +69,7 @@ __all__ = [
     "every_frame",
     "make_tracks",
     "note_absent",
+    "rows_with_places",
     "shown",
 ]
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.arrays import IntArray
+from pawnb.arrays import BoolArray, IntArray
 from pawnb.errors import InputError
 from pawnb.schema.tracks import Tracks, add_provenance
 
@@ -91,6 +91,27 @@ def every_frame(frames: IntArray) -> IntArray:
     steps = np.diff(frames)
     step = int(np.gcd.reduce(steps)) if len(steps) else 1
     return np.arange(frames[0], frames[-1] + 1, step)
+
+
+def rows_with_places(tracks: Tracks) -> BoolArray:
+    """Return in which frames any point of any animal has a place.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+
+    Returns
+    -------
+    ndarray of bool, shape (n_time,)
+        Whatever the confidence.
+    """
+    found = np.zeros(tracks.sizes["time"], dtype=bool)
+    for name in ("position", "image_position"):
+        if name in tracks:
+            places = tracks[name].transpose("time", ...).to_numpy()
+            found |= np.isfinite(places).reshape(len(found), -1).any(axis=1)
+    return found
 
 
 def note_absent(tracks: Tracks, frames: IntArray, *, file: str) -> Tracks:

@@ -132,6 +132,22 @@ def test_sleap_analysis_file(tmp_path):
     assert list(tracks["individual"].to_numpy()) == ["mouse"]
 
 
+def test_a_csv_of_sleap_io_with_several_videos_is_refused(tmp_path):
+    # columns as sleap-io 0.9.5 writes them (format="instances"); the second video goes on where
+    # the first one ends, so that its frames rise
+    rows = [f"{i},{'a.mp4' if i < 3 else 'b.mp4'},m1,,1.0,{i}.5,2.5,0.9" for i in range(6)]
+    head = "frame_idx,video_path,track,track_score,score,FR.x,FR.y,FR.score"
+    path = tmp_path / "two.csv"
+    path.write_text("\n".join([head, *rows]) + "\n")
+    with pytest.raises(InputError, match=r"two\.csv: rows of 2 videos, a\.mp4, b\.mp4, whose fr"):
+        read_any_tracks(path, fps=50.0)
+    path.write_text("\n".join([head, *rows[:3]]) + "\n")
+    assert read_any_tracks(path, fps=50.0).sizes["time"] == 3
+    path.write_text("\n".join([head, rows[2], *rows[:2]]) + "\n")
+    with pytest.raises(InputError, match=r"do not rise; sort .* or export a file of each video"):
+        read_any_tracks(path, fps=50.0)
+
+
 def test_anipose_csv(tmp_path):
     xyz = RNG.normal(size=(4, 3))
     table = pd.DataFrame(

@@ -30,6 +30,7 @@ TEXTS = {
     "results.csv": (" ,Area,Mean,Min,Max,X,Y,Slice\n1,0,9,9,9,5,6,1\n", "ImageJ.*Manual Tracking"),
     "ik.mot": ("Coordinates\nversion=1\nnRows=2\ninDegrees=yes\nendheader\ntime\n", "trc"),
     "points.csv": ("frame_idx,node,x,y,track\n0,FR,1,2,m1\n", 'format="sleap"'),
+    "videos.csv": ("frame_idx,video_path,inst0.track,inst0.FR.x\n0,a.mp4,m1,1\n", "laid out by"),
     "frames.csv": ("frame_idx,inst0.track,inst0.FR.x,inst0.FR.y\n0,m1,1,2\n", 'format="sleap"'),
     # simba 5.6.1, idtracker.ai 6, TRex 1.9, ImageJ 1.54, keypoint-moseq 0.4, B-SOiD 1.5.1,
     # aniposelib 0.8

@@ -123,7 +123,9 @@ def overlooked_points(points: Iterable[str], legs: Mapping[str, str]) -> list[st
             if place is None or (place.side, place.rank) not in known:
                 found.append(point)
         elif any(
-            _GLUED.fullmatch(word) or any(word in group for group in (_LIMBS, *_DISTAL[:2]))
+            _GLUED.fullmatch(word)
+            or _PAIR.fullmatch(word)
+            or any(word in group for group in (_LIMBS, *_DISTAL[:2]))
             for word in words
         ):
             found.append(point)

@@ -40,6 +40,10 @@ _LETTERS = (
 """Letters of the front left, front right, hind left and hind right leg."""
 _LETTERS_IN_ENGLISH = ("fl", "fr", "hl", "hr")
 
+_LIMB_LETTERS = {
+    "fl": ("fore", "limb"), "hl": ("hind", "limb"), "bl": ("back", "limb"), "rl": ("rear", "limb"),
+}  # fmt: skip
+
 _SIGNS = str.maketrans(
     {"左": " left ", "右": " right ", "前": " front ", "中": " mid ", "后": " hind ",
      "後": " hind ", "足": " foot ", "爪": " claw ", "脚": " foot ", "蹄": " hoof ",
@@ -82,7 +86,7 @@ def in_english(points: Iterable[str]) -> dict[str, str]:
     said = {
         point: [new for word in own for new in _translate(word)] for point, own in plain.items()
     }
-    said = _roman_numbers(_horse_sides(_letters(said)))
+    said = _roman_numbers(_horse_sides(_limb_letters(_letters(said))))
     new = {
         point: point if said[point] == words[point] else " ".join(said[point]) for point in points
     }
@@ -125,6 +129,24 @@ def _letters(said: dict[str, list[str]]) -> dict[str, list[str]]:
             meant = dict(zip(letters, _LETTERS_IN_ENGLISH, strict=True))
             return {point: [meant.get(word, word) for word in own] for point, own in said.items()}
     return said
+
+
+def _limb_letters(said: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Read FL and HL as fore- and hindlimb where the right has them, too: L_FL, R_FL; LFL, RFL."""
+    words = {word for own in said.values() for word in own}
+    if words & {"fr", "hr", "br", "rr"}:
+        return said
+    meant: dict[str, list[str]] = {}
+    for letters, limb in _LIMB_LETTERS.items():
+        beside = {word for own in said.values() if letters in own for word in own}
+        if beside & {"l", "left"} and beside & {"r", "right"}:
+            meant[letters] = [*limb]
+        if {f"l{letters}", f"r{letters}"} <= words:
+            meant |= {f"{side}{letters}": [side, *limb] for side in "lr"}
+    return {
+        point: [new for word in own for new in meant.get(word, [word])]
+        for point, own in said.items()
+    }
 
 
 def _roman_numbers(said: dict[str, list[str]]) -> dict[str, list[str]]:

@@ -8,7 +8,11 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, rows_with_places
+
+_SAMPLES_FOR_A_STEP = 10
+"""Frames with a place from which on their common step is no chance: ten frames at random are all even
+or all odd in 1 of 500 cases."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,7 +43,8 @@ class Grid:
 def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
     """Put Tracks on equally spaced samples.
 
-    Frames that were left out become missing; where time stamps are uneven by more than
+    Frames that were left out become missing; where only every second (third, ...) frame has a
+    place, these frames are the samples. Where time stamps are uneven by more than
     a fiftieth of a frame, positions are interpolated linearly between them.
 
     Parameters
@@ -61,6 +66,7 @@ def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
     InputError
         If frame numbers or times do not rise, or there are fewer than three frames.
     """
+    tracks = _sampled(tracks)
     frames = tracks["frame"].to_numpy().astype(np.int64)
     times = tracks["time"].to_numpy().astype(float)
     if len(frames) < 3:
@@ -98,3 +104,16 @@ def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
         dense["heading"] = (dense["heading"].dims, np.degrees(np.arctan2(sin, cos)))
     frame = np.interp(even, full_times, full)
     return Grid(time_s=even, frame=frame, fs_hz=float(fs)), dense
+
+
+def _sampled(tracks: Tracks) -> Tracks:
+    """Return tracks without the rows between samples, where a file has rows that are all empty.
+
+    So do exports of SLEAP in which every second (third, ...) frame was tracked.
+    """
+    places = rows_with_places(tracks)
+    frames = tracks["frame"].to_numpy()
+    if places.all() or places.sum() < _SAMPLES_FOR_A_STEP:
+        return tracks
+    steps = [int(np.gcd.reduce(np.diff(own))) for own in (frames[places], frames)]
+    return tracks.isel(time=places) if steps[0] > steps[1] > 0 else tracks

@@ -24,6 +24,7 @@ from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, View, load_trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.conversion.file_pixels import picture_sizes
+from pawnb.workflow.conversion.film_of_tracks import doubt_film_of_tracks
 from pawnb.workflow.conversion.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.gait.event_sources import read_trial_events
 from pawnb.workflow.gait.inputs import check_settings
@@ -197,6 +198,7 @@ def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
         report.faults.append(f"{name}: no point has a position in any frame.")
     told = ", ".join(leg if leg == point else f"{leg} is {point!r}" for leg, point in legs.items())
     report.found.append(f"legs: {told}")
+    report.doubts += [doubt.rstrip(".") for doubt in doubt_film_of_tracks(trial, tracks)]
 
 
 def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:

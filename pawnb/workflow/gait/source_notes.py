@@ -15,9 +15,11 @@ from pawnb.gait.analysis.notes import Note, trial_of
 from pawnb.io.deeplabcut import PICTURES
 from pawnb.io.format_table import find_entry
 from pawnb.io.formats import recognise_format
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, rows_with_places
+from pawnb.workflow.conversion.film_of_tracks import doubt_film_of_tracks
 from pawnb.workflow.gait.event_sources import groups_of_events
 from pawnb.workflow.gait.group_notes import name_trials, notes_on_fields, notes_on_groups
+from pawnb.workflow.gait.identity_notes import notes_on_identities
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.study_tables import Fields
 
@@ -49,6 +51,7 @@ def notes_on_sources(sources: Sequence[GaitSource], animals: Sequence[str] | Non
         (source.given.name, source.tracks) for source in sources if source.tracks is not None
     ]
     own = [note for name, tracks in tracked for note in _on_rows(name, tracks)]
+    own += [note for source in sources for note in _on_film(source)]
     told = [*_told_otherwise(sources), *_same_recordings(sources), *_units_taken(sources)]
     return [*whose, *own, *told]
 
@@ -229,8 +232,8 @@ def _units_taken(sources: Sequence[GaitSource]) -> list[str]:
 
 
 def _on_rows(name: str, tracks: Tracks) -> Iterator[str]:
-    """Say where rows of a file may be no frames of a film, or animals pieces of one track."""
-    frames = tracks["frame"].to_numpy()
+    """Say where rows of a file may be no frames of a film, or animals not what they are called."""
+    frames = tracks["frame"].to_numpy()[rows_with_places(tracks)]
     fps = float(tracks.attrs["fps"])
     step = int(np.gcd.reduce(np.diff(frames))) if len(frames) > 1 else 1
     if step > 1:
@@ -244,26 +247,17 @@ def _on_rows(name: str, tracks: Tracks) -> Iterator[str]:
             f"{name} holds labels of single pictures, not tracks: the gait is right only where "
             "every frame of one film was labelled and the pictures are numbered as its frames."
         )
-    if pieces := _never_together(tracks):
-        yield (
-            f"{name}: {' and '.join(pieces)} are never seen in one frame. Where they are pieces of "
-            "the track of one animal, they must not count as animals: join them in the program "
-            "that made them."
-        )
+    yield from notes_on_identities(name, tracks)
 
 
-def _never_together(tracks: Tracks) -> list[str]:
-    """Return individuals that have a point each, and none in any frame of one of the others."""
-    seen = np.zeros((tracks.sizes["time"], tracks.sizes["individual"]), dtype=bool)
-    for name in ("position", "image_position"):
-        if name in tracks:
-            places = tracks[name].transpose("time", "individual", ...).to_numpy()
-            seen |= np.isfinite(places).reshape(*seen.shape, -1).any(axis=2)
-    counts = seen.astype(float)
-    shared = counts.T @ counts  # frames in which both are seen; on the diagonal one of them
-    alive = np.flatnonzero(np.diag(shared))
-    apart = (shared[np.ix_(alive, alive)] == 0.0).any(axis=0)
-    return [str(tracks["individual"].to_numpy()[i]) for i in alive[apart]]
+def _on_film(source: GaitSource) -> list[str]:
+    """Say where tracks made elsewhere do not fit the film that their trial names."""
+    trial, tracks = source.trial, source.tracks
+    if source.of_trial is None or trial is None or tracks is None or not trial.is_tracked_elsewhere:
+        return []
+    return [
+        str(Note(note, where=source.trial_name)) for note in doubt_film_of_tracks(trial, tracks)
+    ]
 
 
 def _lacks_unit(source: GaitSource) -> bool:

@@ -86,6 +86,8 @@ def test_feet_are_found_by_their_names(points, legs):
         (["FR_paw", "FL_paw", "hind1_paw", "FR_wrist"], ["hind1_paw"]),
         # all points of legs that are there
         (["LF_Claw", "LF_Tarsus", "RM_Claw", "eye_L"], []),
+        # two sides in one name: FL is left in itself
+        (["FR_paw", "R_FL"], ["R_FL"]),
         # a leg of another kind than the others
         (["L1", "R1", "front left paw"], []),
     ],
@@ -134,6 +136,11 @@ def in_order(*points):
         ("near_front_hoof", "off_front_hoof", "near_hind_hoof", "off_hind_hoof"),
         ("foreleft", "foreright", "hindleft", "hindright"),
         ("leftfront", "rightfront", "lefthind", "righthind"),
+        # forelimb and hindlimb: those of the right side were left out, and nothing said so
+        ("L_FL", "R_FL", "L_HL", "R_HL"),
+        ("left FL", "right FL", "left HL", "right HL"),
+        ("LFL", "RFL", "LHL", "RHL"),
+        ("LFL", "RFL", "LBL", "RBL"),
     ],
 )  # fmt: skip
 def test_feet_are_found_by_names_in_other_words(names):
