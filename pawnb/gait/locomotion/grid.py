@@ -11,8 +11,8 @@ from pawnb.errors import InputError
 from pawnb.schema import Tracks, rows_with_places
 
 _SAMPLES_FOR_A_STEP = 10
-"""Frames with a place from which on their common step is no chance: ten frames at random are all even
-or all odd in 1 of 500 cases."""
+"""Frames with a place from which on their common step is no chance: ten at random are all even, or
+all odd, in 1 of 500 cases."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -181,6 +181,15 @@ def test_strides_of_too_few_frames_for_contact_or_speed_are_said(frames, said):
     assert not any("are far apart" in n for n in tables.notes)
 
 
+@pytest.mark.parametrize("duty", [0.35, 0.5, 0.65, 0.75])
+def test_duty_factors_of_four_frames_in_a_stride_are_said_to_be_alike(duty):
+    # 30 frames a second of a mouse that makes 8 strides a second: from 0.35 to 0.75 little is left
+    tables = analyse(Walk(period=1 / 7.9, duty=duty).tracks(fps=30.0, duration=15.0))
+    assert 0.45 < tables.strides["duty_factor"].median() < 0.65
+    (note,) = (n for n in tables.notes if "strides have" in n)
+    assert "frames (median): duty factors come out between 0.5 and 0.6 whatever they" in note
+
+
 def test_enough_frames_need_no_word_on_contact():
     tables = analyse(Walk(period=0.3).tracks(fps=60.0), belt_speed=300.0)
     assert not any("strides have" in n for n in tables.notes)
