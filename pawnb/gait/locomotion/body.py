@@ -17,7 +17,7 @@ from pawnb.gait.locomotion.body_path import (
     is_roaming,
     points_of_body,
 )
-from pawnb.gait.locomotion.direction import choose_direction, find_up
+from pawnb.gait.locomotion.direction import choose_direction, doubt_up, find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.frequency_guess import guess_frequency
 from pawnb.gait.locomotion.time_scales import (
@@ -168,6 +168,7 @@ def find_body(
                 feet, others, settings, forward=direction, frequency_hz=guess, fs_hz=fs
             )
             notes += _say_path(feet, seen_from, others)
+    notes += doubt_up(feet, path, up=find_up(trial, feet), treadmill=treadmill)
     given = _Given(
         feet=feet, trial=trial, body=body, others=others, direction=direction, path=seen_from, fs=fs
     )

@@ -21,6 +21,10 @@ mice go 3 to 4 degrees aside, for they are also lifted, and those of a single le
 LEAST_LIFT = 0.03
 """A swing that is lower than the stance by this share of its length is upside down (by hand)."""
 
+MOST_TILTED_DEG = 50.0
+"""Feet may be lifted so far aside of up. Set by hand: four recordings of a rat are 1 to 12 degrees
+off, 20 with the legs of one side alone, a fly on a ball, whose feet go on a sphere, 40 to 44."""
+
 
 def find_up(trial: Trial | None, feet: FootPaths) -> FloatArray | None:
     """Find the direction upwards.
@@ -124,7 +128,7 @@ def choose_direction(
             f"{who}: the feet swing fastest backwards; is forward = {stated.tolist()} "
             "(or facing) the wrong way round?"
         ]
-    return stated, _doubt_axes(trial, feet, stated, from_feet) if n_dims == 3 else []
+    return stated, _doubt_forward(feet, stated, from_feet) if n_dims == 3 else []
 
 
 def _turning(
@@ -154,10 +158,8 @@ def _turning(
     ]
 
 
-def _doubt_axes(
-    trial: Trial | None, feet: FootPaths, forward: FloatArray, from_feet: FloatArray
-) -> list[str]:
-    """Say how far the feet's way is from forward, and whether they are lifted downwards.
+def _doubt_forward(feet: FootPaths, forward: FloatArray, from_feet: FloatArray) -> list[str]:
+    """Say how far the feet's way is from forward.
 
     Axes of a calibration by a board or a wand need not be those of the animal.
     """
@@ -175,17 +177,106 @@ def _doubt_axes(
             "those of a board or wand and not of the animal, write into trial.toml [calibration] "
             f"forward = [{x}, {y}, {z}]{'' if is_told else ', or the opposite of it,'} and up."
         )
-    up = find_up(trial, feet)
-    if up is not None and is_told:
-        along, height = (np.einsum("ndk,d->nk", places, way) for way in (axis, up))
-        speed, height = np.diff(along, axis=0), (height[1:] + height[:-1]) / 2
-        lift = float(np.nanmean(height[speed > 0]) - np.nanmean(height[speed < 0]))
-        if lift < -LEAST_LIFT * float(np.nanpercentile(along, 95) - np.nanpercentile(along, 5)):
-            notes.append(
-                f"{feet.label}: the feet are lower in swing than in stance by {-lift:.3g} (mean); "
-                f"is up = {up.tolist()} the wrong way round?"
-            )
     return notes
+
+
+def doubt_up(
+    feet: FootPaths, path: FloatArray, *, up: FloatArray | None, treadmill: bool
+) -> list[str]:
+    """Say where feet are lifted, or the animal goes, along another direction than they can.
+
+    Parameters
+    ----------
+    feet : FootPaths
+        The feet.
+    path : ndarray, shape (n, d)
+        Low-passed path of the body.
+    up : ndarray, shape (3,), or None
+        Upwards; None in a picture, of which nothing is said.
+    treadmill : bool
+        Whether the animal runs in one place.
+
+    Returns
+    -------
+    list of str
+        The notes: axes of a camera, a board or a wand are not those of the animal.
+    """
+    if up is None:
+        return []
+    places = feet.positions - path[:, :, None]
+    way = main_axis(places - np.nanmean(places, axis=0)) if treadmill else _way(path)
+    notes = [] if treadmill or way is None else _doubt_level(feet, way, up)
+    lift = _lift(feet, places, path, way=way, treadmill=treadmill)
+    if lift is None:
+        return notes
+    aside_deg = float(np.degrees(np.arccos(np.clip(lift @ up / np.linalg.norm(lift), -1.0, 1.0))))
+    if aside_deg > 180.0 - MOST_TILTED_DEG:
+        notes.append(
+            f"{feet.label}: the feet are lower in swing than in stance by {-lift @ up:.3g} (mean); "
+            f"is up = {up.tolist()} the wrong way round?"
+        )
+    elif aside_deg > MOST_TILTED_DEG:
+        x, y, z = (round(float(number), 3) + 0.0 for number in lift / np.linalg.norm(lift))
+        notes.append(
+            f"{feet.label}: in swing the feet are lifted {aside_deg:.0f} degrees aside of up = "
+            f"{up.tolist()}, so that heights and places to the side are wrong, and lengths where "
+            "the animal goes along up; if the axes are those of a camera, board or wand, write "
+            f"into trial.toml [calibration] up = [{x}, {y}, {z}], and forward."
+        )
+    return notes
+
+
+def _way(path: FloatArray) -> FloatArray | None:
+    """Return the direction in which an animal goes straight, or None where it does not."""
+    way, straight = travel_direction(path)
+    return way if straight > _STRAIGHT else None
+
+
+def _doubt_level(feet: FootPaths, way: FloatArray, up: FloatArray) -> list[str]:
+    """Say where an animal climbs, or goes down, more steeply than it would on the ground."""
+    slope_deg = float(np.degrees(np.arcsin(np.clip(way @ up, -1.0, 1.0))))
+    if abs(slope_deg) <= MOST_ASIDE_DEG:
+        return []
+    return [
+        f"{feet.label}: the animal goes {'up' if slope_deg > 0 else 'down'} by "
+        f"{abs(slope_deg):.0f} degrees where up = {up.tolist()}, and lengths are level, "
+        f"{1 - np.cos(np.radians(slope_deg)):.0%} shorter than its way; unless it climbs, the axes "
+        "are those of a camera, board or wand: write the right up into trial.toml [calibration]."
+    ]
+
+
+def _lift(
+    feet: FootPaths,
+    places: FloatArray,
+    path: FloatArray,
+    *,
+    way: FloatArray | None,
+    treadmill: bool,
+) -> FloatArray | None:
+    """Return from where to where feet are lifted in swing, the mean of legs; None if hardly so."""
+    if treadmill and way is not None:
+        front = swing_direction(feet.positions, fs_hz=1.0)
+        if abs(way @ front) <= 0.7:  # which end of it is in front cannot be told
+            return None
+        swings = np.diff(np.einsum("ndk,d->nk", places, way * np.sign(way @ front)), axis=0) > 0.0
+    else:  # on the ground a foot in swing is faster than the body, and one in stance slower
+        speed = np.linalg.norm(np.diff(feet.positions, axis=0), axis=1)
+        swings = speed > np.linalg.norm(np.diff(path, axis=0), axis=1)[:, None]
+    middle = (places[1:] + places[:-1]) / 2
+    known = np.asarray(np.isfinite(middle).all(axis=1))
+    lifts = []
+    for k in range(places.shape[2]):
+        swing, stance = (known[:, k] & one[:, k] for one in (swings, ~swings))
+        if swing.any() and stance.any():
+            lifts.append(middle[swing, :, k].mean(axis=0) - middle[stance, :, k].mean(axis=0))
+    if not lifts:
+        return None
+    lift = np.mean(lifts, axis=0)
+    if way is not None:
+        lift = lift - (lift @ way) * way
+    reach = places - np.nanmean(places, axis=0)
+    length = 2.0 * float(np.nanpercentile(np.linalg.norm(reach, axis=1), 90))
+    return lift if np.linalg.norm(lift) > LEAST_LIFT * length else None
 
 
 def _say_direction(direction: FloatArray) -> str:
