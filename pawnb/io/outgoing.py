@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, did_you_mean
-from pawnb.schema import ORIGIN_CODE, Tracks, absent_frames, check_tracks
+from pawnb.schema import ORIGIN_CODE, Tracks, absent_frames, check_tracks, rows_with_places
 
 
 @dataclass(frozen=True)
@@ -190,11 +190,12 @@ def take_animal(tracks: Tracks, individual: str) -> Tracks:
 
 
 def _take(tracks: Tracks, place: str, confidence: str, origin: str) -> Outgoing:
-    """Return the named variables of the frames that have a row."""
+    """Return the named variables of the frames that have a row, or were given a place since."""
     frames = tracks["frame"].to_numpy()
     keep = np.ones(len(frames), dtype=bool)
     for first, last, _ in absent_frames(tracks):
         keep &= ~((frames >= first) & (frames <= last))
+    keep |= rows_with_places(tracks)
     own = tracks.isel(time=keep)
     axis = "image_space" if place == "image_position" else "space"
     values = own[place].transpose("time", "keypoint", "individual", axis).to_numpy()

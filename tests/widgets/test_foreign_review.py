@@ -88,6 +88,31 @@ def test_what_was_corrected_is_written_back_and_nothing_else(name, videos, odd_p
     again.close()
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_a_point_that_the_program_did_not_find_is_kept_where_a_person_puts_it(
+    name, videos, tmp_path
+):
+    """It was left out of what was saved, without a word, in every format."""
+    write, _, n_views = FILES[name]
+    path = write(tmp_path / name, range(FRAMES))
+    lacking = TrackReviewer.of_file(path, videos[:n_views], fps=100.0)
+    view, points = lacking.session.views[0], lacking.session.points
+    for point in points:  # in frame 8 nothing is left
+        do(lacking, "delete", point, (8, 9))
+    lacking.edit("action", {"action": "save", "frame": 0})
+    lacking.close()
+    saved = tmp_path / f"corrected_{name}"
+    assert np.isnan(uv_of(load_tracks(saved, fps=100.0), 0)[8]).all()
+    widget = TrackReviewer.of_file(saved, videos[:n_views], fps=100.0)
+    for frame in (8, 9):
+        widget.edit("moved", {"frame": frame, "view": view, "point": points[0], "u": 7.5, "v": 9.0})
+    widget.edit("action", {"action": "save", "frame": 0})
+    widget.close()
+    now = uv_of(load_tracks(tmp_path / f"corrected_{saved.name}", fps=100.0), 0)
+    assert now[8:10, 0].tolist() == [[7.5, 9.0], [7.5, 9.0]]
+    assert np.isnan(now[8:10, 1]).all()
+
+
 def test_nothing_is_tracked_again_in_tracks_of_another_program(videos, tmp_path):
     path = foreign_files.write_dlc_csv(tmp_path / "clipDLC.csv", range(FRAMES))
     widget = TrackReviewer.of_file(path, videos[0], fps=100.0)

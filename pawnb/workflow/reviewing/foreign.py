@@ -69,12 +69,15 @@ class ForeignTracks:
         sure = tracks["image_confidence"].to_numpy()[..., 0]
         same &= self.tracks["image_confidence"].to_numpy()[..., 0] == sure
         row, view, point = np.nonzero(~same)
+        whence = tracks["image_origin"].to_numpy()[row, view, point, 0]  # placed, or missing now
         if "image_position" in new:
             new["image_position"].to_numpy()[row, view, :, point, who] = now[row, view, :, point]
             new["image_confidence"].to_numpy()[row, view, point, who] = sure[row, view, point]
+            new["image_origin"].to_numpy()[row, view, point, who] = whence
         else:
             new["position"].to_numpy()[row, :, point, who] = now[row, view, :, point]
             new["confidence"].to_numpy()[row, point, who] = sure[row, view, point]
+            new["origin"].to_numpy()[row, point, who] = whence
         return new
 
     def write(self, tracks: Tracks, out: GuardedFile) -> list[Path]:
