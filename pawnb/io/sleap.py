@@ -20,6 +20,9 @@ from pawnb.schema import Tracks, check_frames
 INSTANCE_SCORE = "instance_score"
 """Variable of Tracks (time, individual): SLEAP's score of an instance as a whole."""
 
+VIDEO_AND_EDGES = "sleap_labels"
+"""Attribute of Tracks of a ``.slp``: a JSON of its ``video`` and of ``edges`` of its skeleton."""
+
 _EXPECTED = "the .slp or analysis .h5 that SLEAP writes"
 _ORDER = ("track", "xy", "node", "frame")
 """Order of the dimensions of ``tracks`` where the file does not say."""
@@ -75,12 +78,15 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
     (['FR', 'HR'], 3)
     """
     path = Path(path)
+    kept: dict[str, str] = {}
     if path.suffix == ".csv":
         found = _read_table(path)
     else:
         with open_hdf5(path, expected=_EXPECTED) as file:
             read = _read_labels if "instances" in file else _read_analysis
             found = read(file, path.name)
+            if "instances" in file:
+                kept = {VIDEO_AND_EDGES: json.dumps(_video_and_edges(file, path.name))}
     frames, points, individuals, places, score, whole = found
     tracks = build_tracks(
         frames,
@@ -92,7 +98,7 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         program="SLEAP",
         where=path.name,
         individuals=individuals or [_ONE],
-    )
+    ).assign_attrs(kept)
     if not np.isfinite(whole).any():
         return tracks
     scores = np.full((tracks.sizes["time"], tracks.sizes["individual"]), np.nan)
@@ -286,6 +292,24 @@ def _skeleton(file: h5py.File, where: str) -> tuple[list[str], float]:
         return [nodes[int(node["id"])] for node in own], version
     except (KeyError, TypeError, IndexError, ValueError):
         raise InputError(f"{where}: damaged, it does not name the nodes of its skeleton.") from None
+
+
+def _video_and_edges(file: h5py.File, where: str) -> dict[str, Any]:
+    """Return what a .slp says beside tracks, for one that is written of them; nothing if damaged.
+
+    The video is that of its labels, or no text where its pictures are in the file itself.
+    """
+    try:
+        said = _from_json(read_attribute(file["metadata"], "json", where=where), where)
+        nodes = [str(node["name"]) for node in said["nodes"]]
+        links = said["skeletons"][-1].get("links", [])
+        edges = [[nodes[int(link["source"])], nodes[int(link["target"])]] for link in links]
+        videos = [_from_json(text, where) for text in read_texts(file, "videos_json", where=where)]
+        own = videos[int(file["frames"]["video"][0])] if len(videos) > 1 else videos[0]
+        video = str(own.get("filename") or own["backend"]["filename"])
+    except (InputError, KeyError, TypeError, IndexError, ValueError, AttributeError):
+        return {"video": "", "edges": []}
+    return {"video": "" if video == "." else video, "edges": edges}
 
 
 def _track_name(text: str, where: str) -> str:

@@ -15,7 +15,7 @@ from pawnb.errors import InputError
 from pawnb.files import whole_file, write_whole
 from pawnb.io.extras import need
 from pawnb.io.outgoing import Outgoing, take_view, word
-from pawnb.io.sleap import INSTANCE_SCORE
+from pawnb.io.sleap import INSTANCE_SCORE, VIDEO_AND_EDGES
 from pawnb.io.tables import write_text
 from pawnb.schema import Tracks
 
@@ -118,9 +118,11 @@ def _analysis_bytes(own: Outgoing) -> bytes:
 def _write_labels(own: Outgoing, path: Path) -> Path:
     """Write predicted instances by sleap-io."""
     sio: Any = need("sleap_io", "sleap", what=f"to write {path.name}")
-    skeleton = sio.Skeleton(nodes=list(own.points))
+    said = json.loads(own.attrs.get(VIDEO_AND_EDGES, "{}"))
+    edges = [edge for edge in said.get("edges", []) if {*edge} <= {*own.points}]
+    skeleton = sio.Skeleton(nodes=list(own.points), edges=edges)
     animals = [sio.Track(name=who) for who in own.individuals]
-    video = sio.Video(filename="video.mp4", open_backend=False)
+    video = sio.Video(filename=said.get("video") or "video.mp4", open_backend=False)
     scores = _instance_scores(own)
     labelled = []
     for t, frame in enumerate(own.frames):

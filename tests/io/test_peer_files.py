@@ -156,6 +156,25 @@ def test_sleap_io_reads_what_we_write(peers, tmp_path):
             assert largest_error(found[:, animal], true_uv(animal)) < 5e-5
 
 
+@pytest.mark.slow
+def test_the_video_and_the_skeleton_of_a_slp_are_written_back(tmp_path):
+    sio = pytest.importorskip("sleap_io")
+    skeleton = sio.Skeleton(nodes=["FR", "tail", "nose"], edges=[("nose", "tail"), ("tail", "FR")])
+    video = sio.Video(filename="films/clip.mp4", open_backend=False)
+    instance = sio.PredictedInstance.from_numpy(
+        np.array([[5.0, 6.0], [1.0, 2.0], [3.0, 4.0]]), skeleton=skeleton, score=0.5
+    )
+    frame = sio.LabeledFrame(video=video, frame_idx=7, instances=[instance])
+    sio.save_slp(sio.Labels([frame]), str(tmp_path / "a.slp"), embed=False, verbose=False)
+    tracks = load_tracks(tmp_path / "a.slp", fps=FPS)
+    (path,) = write_any_tracks(tracks, tmp_path / "b.slp", program="sleap")
+    labels = sio.load_slp(str(path), open_videos=False)
+    assert labels.video.filename == "films/clip.mp4"
+    edges = [(edge.source.name, edge.destination.name) for edge in labels.skeleton.edges]
+    assert edges == [("nose", "tail"), ("tail", "FR")]
+    assert labels[0].frame_idx == 7
+
+
 def test_points_of_movement_have_the_names_that_a_person_gave(peers):
     """What sleap-io read into movement says Node(name='FR'); its values stay."""
     tracks = load_tracks(peers / "movement.nc")
