@@ -41,6 +41,7 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "image_confidence": ("time", "view", "keypoint", "individual"),
     "image_origin": ("time", "view", "keypoint", "individual"),
     "image_residual": ("time", "view", "keypoint", "individual"),
+    "image_offset": ("time", "view", "image_space", "keypoint", "individual"),
     "image_separation": ("time", "view", "keypoint", "individual"),
     "image_likeness": ("time", "view", "keypoint", "individual"),
     # jointed animals

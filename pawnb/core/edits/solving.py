@@ -107,9 +107,9 @@ class PositionSolver:
             t["revision"].values[at[0], at[1], 0] = np.nan
         if "passes_apart" in t:
             t["passes_apart"].values[at[0], at[1], 0] = np.nan
-        for name in ("image_residual", "image_separation"):
+        for name in ("image_residual", "image_separation", "image_offset"):
             if name in t:
-                t[name].values[at[0], :, at[1], 0] = np.nan
+                t[name].values[at[0], :, ..., at[1], 0] = np.nan
         self._refresh_reprojected(rows, points, xyz, origin)
 
     def _in_force(

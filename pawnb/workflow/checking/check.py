@@ -11,6 +11,8 @@ import numpy as np
 
 from pawnb.core.lens import load_lenses
 from pawnb.core.pixels.grey import has_colour
+from pawnb.core.rig import load_rig
+from pawnb.core.suspects.moved_views import moved_views_of
 from pawnb.core.video import Frame, ViewReader, ViewSet, open_views
 from pawnb.core.video.doubts.interlaced import HOW_TO_MEND, looks_interlaced
 from pawnb.core.video.doubts.one_film import tell_same_films
@@ -106,8 +108,11 @@ def _check_results(trial: Trial, report: CheckReport, sizes: Mapping[str, list[i
         return
     told: list[InputWarning] = []
     with hearing_input_warnings(told.append, shown=False):
-        as_described_now(tracks, trial)
+        tracks = as_described_now(tracks, trial)
     report.doubts += [str(one).rstrip(".") for one in told]
+    with suppress(PawnbError):  # a calibration that cannot be read is said where it is needed
+        rig = load_rig(trial, sizes=picture_sizes(trial))
+        report.doubts += [f"{name}: {one.sentence}" for one in moved_views_of(tracks, rig)]
     before = json.loads(tracks.attrs.get("pictures_px", "{}"))
     for name, size in sizes.items():
         was = before.get(name, size)

@@ -16,6 +16,7 @@ from pawnb.errors import PawnbError
 from pawnb.io.lengths import MM_PER_UNIT
 from pawnb.io.start import check_start, clicked_films, read_start
 from pawnb.trial import Calibration, Trial
+from pawnb.workflow.calibration.moved_cameras import tell_moved_clicks
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.exchanged_clicks import (
     solve_clicks,
@@ -97,6 +98,7 @@ def _check_against_rig(trial: Trial, rig: Rig, clicks: pd.DataFrame, report: Che
     solved = solve_clicks(rig, clicks)
     report.doubts += tell_disagreeing_clicks(solved)
     report.doubts += tell_exchanged_clicks(rig, clicks)
+    report.doubts += tell_moved_clicks(clicks, rig)
     places = [place.xyz for place in solved.values()]
     xyz = np.array([place for place in places if np.isfinite(place).all()]).reshape(-1, 3)
     if len(xyz) > 1:

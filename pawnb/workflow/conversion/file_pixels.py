@@ -23,6 +23,7 @@ from pawnb.io.cameras import read_cameras
 from pawnb.io.dltdv import read_dltdv_points
 from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 from pawnb.trial import Trial, View
+from pawnb.workflow.calibration.moved_cameras import tell_moved_views
 
 MAX_RESIDUAL_PX = 20.0
 """Points found by programs are left out in space where their views disagree by more."""
@@ -81,8 +82,10 @@ def read_digitised_trial(path: Path, trial: Trial, program: str = "dltdv") -> Tr
         return tracks
     tracks = straighten_tracks(tracks, trial, sizes)
     # a person put every point: none is left out
-    tracks = triangulate_tracks(tracks, _rig_of_program(trial, sizes, program), even=of_cameras)
+    rig = _rig_of_program(trial, sizes, program)
+    tracks = triangulate_tracks(tracks, rig, even=of_cameras)
     _warn_of_doubtful(tracks, path.name)
+    tracks = tell_moved_views(tracks, rig, where=path.name)
     if not unknown:
         return tracks
     warn_of_input(
@@ -277,7 +280,7 @@ def triangulate_foreign(tracks: Tracks, rig: Rig, *, where: str) -> Tracks:
             )
         text = f"{where}: {refused} of {all_of_them} points are left out in space, {said}."
         warn_of_input(text, InputWarning, stacklevel=3)
-    return tracks
+    return tell_moved_views(tracks, rig, where=where)
 
 
 def _warn_of_doubtful(tracks: Tracks, where: str) -> None:

@@ -12,6 +12,7 @@ from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
 from pawnb.core.pose.pose_suspects import chances_of_crossing, chances_of_tips
+from pawnb.core.suspects.moved_views import MOVED_VIEWS
 from pawnb.core.video.doubts.frozen_labels import freezes_in_words, freezes_of_tracks
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import as_word, read_text
@@ -57,7 +58,8 @@ def assess_quality(tracks: Tracks) -> Quality:
         f"the film of view {view} stands still in {freezes_in_words(own)}"
         for view, own in freezes_of_tracks(tracks).items()
     )
-    return replace(quality, reasons=(*still, *quality.reasons))
+    moved = json.loads(tracks.attrs.get(MOVED_VIEWS, "[]"))
+    return replace(quality, reasons=(*still, *moved, *quality.reasons))
 
 
 def _with_chances(tracks: Tracks) -> Tracks:

@@ -23,6 +23,7 @@ from pawnb.input_warnings import warn_of_input
 from pawnb.io.start import clicked_films
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
+from pawnb.workflow.calibration.moved_cameras import tell_moved_clicks, tell_moved_views
 from pawnb.workflow.calibration.real_units import in_real_units
 from pawnb.workflow.provenance.manifest import known_files, run_alone
 from pawnb.workflow.provenance.mended_trial import tell_exchanged_views
@@ -125,6 +126,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         whole = tracks.sizes["time"] == last - first
         tell_unused(trial, tracks, clicks)
         tracks = without_frozen(add_likeness(views, tracks, clicks), freezes)
+        tracks = tell_moved_views(tracks, rig, clicks=clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig)
@@ -138,6 +140,7 @@ def _doubt_clicks(rig: Rig | None, clicks: pd.DataFrame) -> list[str]:
     if rig is None:
         return doubts
     doubts += tell_disagreeing_clicks(solve_clicks(rig, clicks))
+    doubts += tell_moved_clicks(clicks, rig)
     return [*doubts, *tell_exchanged_clicks(rig, clicks), *tell_turned_axes(rig, clicks)]
 
 

@@ -92,6 +92,7 @@ def as_tracks(
     new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
     # logarithms of odds, and standard deviations
     new["image_separation"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="1")
+    new["image_offset"] = new["image_position"].copy()
     new["passes_apart"] = new["residual"].copy().assign_attrs(units="1")
     if n:
         _write(new, begin, result, placed, layout)
@@ -115,7 +116,8 @@ def _write(
     origin, image_origin = _origins(seen, enough=1 if d == 2 else 2)
     detection_probability = np.where(seen, result.detection_probability, 0.0)
     confidence = detection_probability.sum(axis=-1) / np.maximum(count, 1)
-    off = np.linalg.norm(result.measured - uv, axis=-1)  # NaN where a view saw nothing
+    offset = result.measured - uv  # NaN where a view saw nothing
+    off = np.linalg.norm(offset, axis=-1)
     square = np.where(seen, off**2, 0.0).sum(axis=-1)
     residual = np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
     for t, here in placed.items():
@@ -139,6 +141,7 @@ def _write(
     new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
     new["image_confidence"][rows, ..., 0] = detection_probability.transpose(0, 2, 1)
     new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
+    new["image_offset"][rows, ..., 0] = offset.transpose(0, 2, 3, 1)
     new["image_separation"][rows, ..., 0] = result.association_log_odds.transpose(0, 2, 1)
 
 
