@@ -48,6 +48,8 @@ _ASTRAY = 3.0
 """Nor those whose views disagree by so many times the median of the point, of at least 0.5 px."""
 MOVED_VIEWS = "moved_views"
 """Attribute of tracks: what was found of their views, in words, as JSON."""
+_LEAST_TOLD = 1e-9
+"""Numerics: share of the diagonal that is added to a matrix, so that it has an inverse."""
 _MOST_FRAMES = 600
 """More frames, evenly chosen, say nothing new of a camera."""
 
@@ -216,7 +218,9 @@ class _Offsets:
         J = Projection(coefs).jacobian(np.nan_to_num(found.xyz)) * seen[..., None, None]
         J = J.reshape(n, P, 2 * V, 3)
         # orthogonal to what a step in space does: the hat matrix of least squares
-        follows = J @ np.linalg.pinv(J)
+        follows = (
+            J @ np.linalg.inv(_not_singular(np.swapaxes(J, -1, -2) @ J)) @ np.swapaxes(J, -1, -2)
+        )
         known = np.repeat(seen.astype(float), 2, axis=-1)[..., None] * np.eye(2 * V)
         residual = found.residual_px
         usual = np.array([np.median(r[np.isfinite(r)]) if np.isfinite(r).any() else 0.0
@@ -235,6 +239,12 @@ class _Offsets:
         known = np.asarray(np.isfinite(by).all(axis=-1))
         left = self.left + lag_frames * np.where(known[..., None], by, 0.0)
         return _Offsets(left, self.remains, self.used & known, self.velocity)
+
+
+def _not_singular(square: FloatArray) -> FloatArray:
+    """Return matrices (..., 3, 3) that have an inverse also where nothing is known."""
+    size = np.trace(square, axis1=-2, axis2=-1)[..., None, None]
+    return square + np.where(size > 0.0, _LEAST_TOLD * size, 1.0) * np.eye(3)
 
 
 def _find_moved(left: _Offsets, names: Sequence[str]) -> MovedView | None:

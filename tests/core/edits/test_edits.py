@@ -133,9 +133,11 @@ def test_what_a_tracker_said_of_a_point_is_not_said_of_a_persons_word():
         tracks[name] = tracks["image_confidence"].copy()
     for name in ("revision", "passes_apart"):
         tracks[name] = tracks["residual"].copy()
+    tracks["image_offset"] = tracks["image_position"].copy()
     # the third frame
     new = apply_edit(tracks, Move(frame=5, view="a", point="P", u=4, v=-3), rig=FlatRig())
-    for name in ("image_residual", "image_separation", "revision", "passes_apart"):
+    told = ("image_residual", "image_offset", "image_separation", "revision", "passes_apart")
+    for name in told:
         gone = np.isnan(new[name].sel(keypoint="P").isel(individual=0).to_numpy())
         np.testing.assert_array_equal(np.flatnonzero(gone.reshape(6, -1).all(axis=1)), [2], name)
         assert not np.isnan(new[name].sel(keypoint="Q")).any()

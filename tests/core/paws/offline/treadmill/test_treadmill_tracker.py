@@ -18,7 +18,7 @@ from pawnb.schema import ORIGIN_CODE, check_tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
 
-NEW = ("image_separation", "passes_apart", "image_residual", "revision")
+NEW = ("image_separation", "passes_apart", "image_residual", "image_offset", "revision")
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +76,8 @@ def test_visible_paws_are_found_and_clicks_are_kept(scene, tmp_path):
     apart = tracks["passes_apart"].to_numpy()
     assert np.isfinite(apart[3:-3]).mean() > 0.9
     assert np.nanmedian(apart) < 2.0
+    length = np.linalg.norm(tracks["image_offset"].to_numpy(), axis=2)
+    np.testing.assert_allclose(length, tracks["image_residual"].to_numpy())
     again = read_tracks(write_tracks(tracks, tmp_path / "tracks.nc"))
     xr.testing.assert_identical(again[list(NEW)], tracks[list(NEW)])
 
