@@ -21,11 +21,11 @@ from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.rig import Rig
 from pawnb.schema import ORIGIN_CODE, Tracks
 
-_LEAST_PX = 2.5
+_LEAST_OFFSET_PX = 2.5
 """Views are said to be off from here on. Set by hand: in seven real recordings by several cameras
 (a fly, a wheel, four of a rat, two of a spider, a board) one view is off by at most 2.2 px with
 chances below 0.01 (the spider, in pictures in which it is 400 to 690 px long)."""
-_CHANCE = 0.02
+_CHANCE_TO_SAY = 0.02
 """Chance, over all views, that points differ so much from each other that they look like this."""
 _POINT_SD_PX, _POINT_SD_WORTH = 2.0, 3
 """What is known of how far one point is clicked at different places by view, and worth how many
@@ -266,10 +266,10 @@ def _find_moved(left: _Offsets, names: Sequence[str]) -> MovedView | None:
     fit = fits[best]
     rest = max(rank - fit.rank, 0)
     variance = (_POINT_SD_WORTH * _POINT_SD_PX**2 + fit.squares) / (_POINT_SD_WORTH + rest)
-    if fit.rank == 0 or fit.n_points < 2 or fit.offset_px < _LEAST_PX:
+    if fit.rank == 0 or fit.n_points < 2 or fit.offset_px < _LEAST_OFFSET_PX:
         return None
     ratio = (float((mean**2).sum()) - fit.squares) / fit.rank / variance
-    if f_distribution.sf(ratio, fit.rank, _POINT_SD_WORTH + rest) * len(names) > _CHANCE:
+    if f_distribution.sf(ratio, fit.rank, _POINT_SD_WORTH + rest) * len(names) > _CHANCE_TO_SAY:
         return None
     alike = tuple(
         name for name, other in zip(names, fits, strict=True)

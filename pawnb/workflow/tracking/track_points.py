@@ -125,8 +125,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
         tell_unused(trial, tracks, clicks)
-        tracks = without_frozen(add_likeness(views, tracks, clicks), freezes)
-        tracks = tell_moved_views(tracks, rig, clicks=clicks)
+        tracks = _judged(tracks, views, clicks, rig, freezes)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig)
@@ -167,6 +166,14 @@ def _tell_doubts(
     for doubt in doubts:
         warn_of_input(f"{doubt}.", InputWarning, stacklevel=3)
     return freezes
+
+
+def _judged(
+    tracks: Tracks, views: ViewSet, clicks: pd.DataFrame, rig: Rig | None, freezes: Freezes
+) -> Tracks:
+    """Return tracks with how alike labels look, and what pictures and cameras say against them."""
+    tracks = without_frozen(add_likeness(views, tracks, clicks), freezes)
+    return tell_moved_views(tracks, rig, clicks=clicks)
 
 
 def _described(tracks: Tracks, trial: Trial, run: OpenedRun, *, earlier: Tracks | None) -> Tracks:

@@ -86,7 +86,8 @@ def track_treadmill(
         ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
         with one, else ``predicted``. ``image_confidence`` says how much the detection looks
         like the end of a paw, 0 to 1, ``image_residual`` how far it is from the projection,
-        px, NaN where there was none, and ``image_offset`` in which direction; ``sd`` is the standard deviation of ``position``, and
+        px, NaN where there was none, and ``image_offset`` in which direction; ``sd`` is the
+        standard deviation of ``position``, and
         ``displacement_from_first_pass`` how far it is from where the point was before its stride
         was known (NaN where no stride is learnt). ``image_separation`` says how far the detection
         taken is ahead of the best other one in that view and frame, as the logarithm of the odds:
