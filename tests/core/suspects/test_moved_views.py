@@ -180,8 +180,8 @@ def test_a_spider_by_four_cameras_is_quiet_until_one_is_moved(real_data, name):
 @pytest.mark.slow
 def test_a_rat_by_two_cameras_a_side_is_quiet_until_one_is_moved(real_data):
     folder = real_data("rat-4cam-tracks")
-    for file in sorted(folder.glob("DLT*.csv")):
-        stamp = file.name.removeprefix("DLT.").removesuffix(".csv")
+    for stamp in authors2019.list_authors_trials(folder):
+        (file,) = folder.glob(f"DLT*{stamp}.csv")
         tracks = authors2019.read_authors_trial(folder, stamp, fps=250.0).isel(individual=0)
         rig = Rig(authors2019.VIEWS, authors2019.read_authors_dlt(file))
         uv = tracks["image_position"].transpose("time", "keypoint", "view", "image_space")

@@ -112,14 +112,14 @@ def test_clicks_say_it_before_anything_is_tracked(rig):
 
 @pytest.mark.slow
 def test_a_camera_that_has_moved_is_said_after_tracking_and_in_its_results(small_trial):
-    """Its pictures lie 5 px off; with the right calibration nothing is said."""
+    """Its pictures lie a paw's length off; with the right calibration nothing is said."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         tracks = track(small_trial)
     assert not any("calibrate it again" in str(one.message) for one in told)
     clicks = read_start(small_trial / "start.csv", load_trial(small_trial))
     assert tell_moved_clicks(clicks, load_rig(load_trial(small_trial))) == []
-    move_camera(small_trial, "cam2", (3.0, 4.0))
+    move_camera(small_trial, "cam2", (3.0, 8.0))
     with pytest.warns(InputWarning) as told:
         tracks = track(small_trial, out=small_trial / "results")
     said = [str(one.message) for one in told if "calibrate it again" in str(one.message)]
@@ -129,4 +129,4 @@ def test_a_camera_that_has_moved_is_said_after_tracking_and_in_its_results(small
     quality = json.loads((small_trial / "results" / "quality.json").read_text())
     assert any("cam2" in reason for reason in quality["reasons"])
     doubts = check_trial(small_trial).doubts
-    assert any(one.startswith("results/tracks.nc: view cam2 lies") for one in doubts)
+    assert any("calibrate it again" in one and "cam2" in one for one in doubts)
