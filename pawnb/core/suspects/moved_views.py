@@ -36,8 +36,9 @@ an epipolar line of two views nothing is left of it."""
 _LEAST_REMAINING = 0.2
 """The same of one point, over all its frames."""
 _AS_LIKELY = 9.0
-"""Views explain offsets equally well where their sums of squares differ by less, in variances: three
-standard errors. With 4 another view was named at 3 px in 6 of 13 runs on the spider, with 9 in 4."""
+"""Views explain offsets equally well where their sums of squares differ by less, in variances:
+three standard errors. With 4 another view is named in 6 of 13 cases on the spider whose view was
+moved by 3 px, with 9 in 4."""
 
 _LEAST_LAG, _LEAST_LAG_PX, _LEAST_LAG_SDS = 0.25, 1.5, 4.0
 """Lag that is told: in frames, in px at the usual velocity, and in standard errors. Set by hand:
