@@ -76,6 +76,18 @@ def test_labels_that_are_not_sure_or_not_seen_do_not_count(rig):
     assert tell_moved_views(tracks, rig) is tracks
 
 
+def test_points_digitised_in_a_few_frames_count_though_none_says_how_sure_it_is(rig):
+    """As DLTdv has them: frames between are empty, and there is no confidence."""
+    few = seen_tracks(rig, moved=(0.0, 5.0), n=8)
+    tracks = make_tracks(range(3000), POINTS, fps=100.0, views=rig.names)
+    at = 7 + 400 * np.arange(7)
+    tracks["image_position"][at] = few["image_position"][:7].to_numpy()
+    tracks["image_origin"][at] = ORIGIN_CODE["measured"]
+    tracks["image_confidence"][at] = np.nan
+    with pytest.warns(InputWarning, match="^view cam2 lies 5 px"):
+        tell_moved_views(tracks, rig)
+
+
 def test_what_was_found_in_a_picture_counts_where_positions_are_projections(rig):
     """A tracker that puts points in space first: labels are where its place in space is shown."""
     tracks = seen_tracks(rig, moved=(0.0, 5.0))
