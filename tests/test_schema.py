@@ -167,3 +167,64 @@ def test_settings_out_of_range_are_refused_by_every_tracker(cls, value):
 def test_stride_limits_that_leave_nothing_between_are_refused():
     with pytest.raises(InputError, match="'shortest_stride_s' is 2, not below"):
         OfflineSettings(shortest_stride_s=2.0)
+
+
+def seconds(tracks, times):
+    return tracks.assign_coords(time=times)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        # what pandas makes of times; taken as numbers, strides would last nanoseconds
+        (lambda t: seconds(t, pd.to_timedelta(t.time, unit="s")), "times are of type timedelta64"),
+        (lambda t: seconds(t, t.frame.to_numpy()), "times run at 1 frames a second instead of 250"),
+        (lambda t: seconds(t, 1000.0 * t.time.to_numpy()), "times run at 0.25 frames a second"),
+        (lambda t: t.drop_vars("time"), "no coordinate 'time' in seconds"),
+        (lambda t: t.isel(space=[1, 0, 2]), "'space' is y, x, z instead of x, y, z"),
+        (lambda t: t.sel(space=["x", "z"]), "'space' is x, z instead of x, y, z"),
+        (lambda t: t.isel(image_space=[1, 0]), "'image_space' is v, u instead of u, v"),
+        (lambda t: t.assign_coords(keypoint=["FR", "FR"]), "keypoint 'FR' is there twice"),
+        (lambda t: t.assign_coords(individual=[7]), "names along 'individual' are no text"),
+        (lambda t: t.assign_attrs(provenance="{"), "attribute provenance is no JSON object"),
+        (lambda t: t.assign_attrs(provenance="[]"), "attribute provenance is no JSON object"),
+    ],
+)
+def test_tracks_whose_labels_were_changed_are_refused(change, message):
+    tracks = schema.make_tracks(range(9), ["FR", "HR"], fps=250, views=["a"])
+    with pytest.raises(InputError, match=message):
+        schema.check_tracks(change(tracks))
+
+
+def test_time_stamps_of_a_film_and_frames_between_are_fine():
+    tracks = schema.make_tracks([3, 5, 7, 13], ["FR"], fps=250, time_s=np.array([0, 2, 5, 9]) / 90)
+    assert schema.check_tracks(tracks) is tracks
+    schema.check_tracks(tracks.assign_coords(space=["X", "Y", "Z"], frame=tracks.frame * 1.0))
+
+
+@pytest.mark.parametrize(
+    ("frames", "points", "message"),
+    [
+        ([0, 1.5], ["FR"], r"frames hold 1\.5; expected whole numbers"),
+        (["0", "1"], ["FR"], r"frames are '0' \.\.\.; expected whole numbers"),
+        ([0, 1], "FR", r"points is 'FR'; expected a list of names, as \['FR'\]"),
+    ],
+)
+def test_new_tracks_of_what_is_no_frame_or_no_list_are_refused(frames, points, message):
+    with pytest.raises(InputError, match=message):
+        schema.make_tracks(frames, points, fps=250)
+
+
+def test_what_is_no_table_or_has_a_column_twice_is_refused():
+    table = pd.DataFrame({"leg": ["FR"], "phase": [0.5]})
+    with pytest.raises(InputError, match=r"^x: expected a table \(pandas.DataFrame\), found dict"):
+        schema.check_columns(table.to_dict(), ["leg"], where="x")
+    twice = pd.concat([table, table[["leg"]]], axis=1)
+    with pytest.raises(InputError, match=r"^x: column 'leg' is there twice; keep one of them"):
+        schema.check_columns(twice, ["leg"], where="x")
+    schema.check_columns(twice, ["phase"], where="x")
+
+
+def test_settings_that_are_no_names_and_values_are_refused():
+    with pytest.raises(InputError, match=r"^gait: settings are 'x'; expected names and values"):
+        schema.build_settings(Example, "x", where="gait")

@@ -11,6 +11,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.groups.comparison import mean_by_animal
 from pawnb.gait.groups.shared_names import keep_shared
+from pawnb.gait.inference.checks import check_animals
 from pawnb.schema import check_columns
 
 _FEWEST_SHOWN = 3
@@ -76,9 +77,10 @@ def measures_by_animal(strides: pd.DataFrame, measures: Sequence[str]) -> pd.Dat
     Raises
     ------
     InputError
-        If a column is missing or there is no stride.
+        If a column is missing, an animal has no name, or there is no stride.
     """
     check_columns(strides, ["animal", "leg", *measures], where="strides")
+    check_animals(strides, where="strides")
     if not len(strides):
         raise InputError("overview of measures: there is no stride.")
     columns = {}

@@ -19,7 +19,7 @@ from pawnb.errors import InputError
 from pawnb.files import check_file, write_whole
 from pawnb.io.hdf5 import faults_in, open_hdf5
 from pawnb.io.movement import from_movement, is_movement, netcdf_bytes
-from pawnb.io.points import check_names
+from pawnb.io.points import check_names, tell_rate_kept
 from pawnb.io.start import check_start, read_start, write_start
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import (
@@ -100,7 +100,7 @@ def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None 
     path : str or Path
         The file; it is read whole and closed.
     fps : float, optional
-        Frames per second, for a movement file that does not say.
+        Frames per second, for a movement file that does not say; pawnb's own files say it.
     unit : str, optional
         Unit of length of positions in space of a movement file, which does not say.
 
@@ -113,6 +113,11 @@ def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None 
     ------
     InputError
         If the file is missing, is not netCDF, or does not hold tracks.
+
+    Warns
+    -----
+    InputWarning
+        If the file says another frame rate than is given: its own is used.
 
     Examples
     --------
@@ -133,7 +138,9 @@ def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None 
         dataset = _plain(xr.load_dataset(path, engine="scipy" if old else "h5netcdf"))
         if is_movement(dataset):
             return from_movement(dataset, fps=fps, unit=unit, where=path.name)
-        return _checked(check_tracks(dataset, where=path.name), path.name)
+        tracks = _checked(check_tracks(dataset, where=path.name), path.name)
+        tell_rate_kept(path.name, float(tracks.attrs["fps"]), fps, stacklevel=2)
+        return tracks
 
 
 def _checked(tracks: Tracks, where: str) -> Tracks:

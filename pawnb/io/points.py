@@ -238,3 +238,31 @@ def tell_rate(where: str, said: float, fps: float, *, stacklevel: int) -> None:
             InputWarning,
             stacklevel=stacklevel + 1,
         )
+
+
+def tell_rate_kept(where: str, said: float, fps: float | None, *, stacklevel: int) -> None:
+    """Warn where another frame rate is given than that of what has times of its own.
+
+    Parameters
+    ----------
+    where : str
+        How the message names the file.
+    said : float
+        Its frames per second, which are used.
+    fps : float, optional
+        Those that are given.
+    stacklevel : int
+        How far up the caller is whom the warning is for.
+
+    Warns
+    -----
+    InputWarning
+        If they differ by more than a thousandth.
+    """
+    if fps is not None and abs(fps - said) > _SAME_RATE * said:
+        warn_of_input(
+            f"{where} says {said:g} frames per second, which is used, and not the fps of {fps:g} "
+            "that is given: correct it there where it is wrong.",
+            InputWarning,
+            stacklevel=stacklevel + 1,
+        )

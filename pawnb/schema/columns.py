@@ -79,8 +79,12 @@ def check_columns(table: pd.DataFrame, expected: Sequence[str], *, where: str) -
     Raises
     ------
     InputError
-        If a column is missing; a near name is suggested.
+        If it is no table, or a column is missing (a near name is suggested) or there twice.
     """
+    if not isinstance(table, pd.DataFrame):
+        raise InputError(
+            f"{where}: expected a table (pandas.DataFrame), found {type(table).__name__}."
+        )
     missing = [name for name in expected if name not in table.columns]
     if missing:
         found = [str(name) for name in table.columns]
@@ -90,4 +94,8 @@ def check_columns(table: pd.DataFrame, expected: Sequence[str], *, where: str) -
             f"{where}: column {missing[0]!r} is missing{hint}; "
             f"expected {', '.join(expected)}, found {', '.join(found)}."
         )
+    columns = list(table.columns)
+    twice = next((name for name in expected if columns.count(name) > 1), None)
+    if twice is not None:
+        raise InputError(f"{where}: column {twice!r} is there twice; keep one of them.")
     return table

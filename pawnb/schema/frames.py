@@ -154,7 +154,7 @@ def absent_frames(tracks: Tracks) -> list[tuple[int, int, str]]:
     for step in json.loads(tracks.attrs.get("provenance", "{}")).get("steps", []):
         if step.get("step") == "read":
             found += [(*run, str(step["file"])) for run in step.get("absent_frames", [])]
-    frames = tracks["frame"].to_numpy()
+    frames = tracks["frame"].to_numpy().astype(np.int64)
     if len(frames) > 1:
         own = _absent_runs(every_frame(frames), frames)
         found += [(first, last, "the tracks") for first, last in own]

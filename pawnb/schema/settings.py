@@ -52,6 +52,10 @@ def build_settings(
     InputError
         For an unknown name (a near one is suggested) or a value of the wrong type.
     """
+    if not isinstance(values, Mapping):
+        raise InputError(
+            f"{where}: settings are {shown(values)}; expected names and values, as {{name: value}}."
+        )
     fields = {f.name for f in dataclasses.fields(cls)}  # type: ignore[arg-type]
     hints = _hints(cls)
     clean: dict[str, Any] = {}

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from pawnb.arrays import IntArray
+from pawnb.arrays import AnyArray, IntArray
 from pawnb.errors import InputError
 from pawnb.schema.settings import shown
 
@@ -52,6 +52,11 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "heading_sd": ("time", "individual"),
     "scale": ("time", "individual"),
 }
+_AXES = {"space": ["x", "y", "z"], "image_space": ["u", "v"]}
+_RATES_APART = 10.0
+"""Times of a recording are its frames' by ``fps``, or the stamps of its film, which are brought to
+``fps`` where they are more than three times off; frames or milliseconds are further off."""
+
 _REQUIRED = ("position", "confidence", "origin")
 _DTYPES = {"origin": np.int8, "image_origin": np.int8}
 
@@ -122,14 +127,17 @@ def make_tracks(
     Raises
     ------
     InputError
-        If ``fps`` is not a number above 0, or two points or two views have one name.
+        If ``fps`` is not a number above 0, a frame is no whole number, or two points or two views
+        have one name.
     """
     check_fps(fps)
     for what, given in (("point", points), ("view", views)):
+        if isinstance(given, str):
+            raise InputError(f"{what}s is {given!r}; expected a list of names, as [{given!r}].")
         twice = next((name for i, name in enumerate(given) if name in given[:i]), None)
         if twice is not None:
             raise InputError(f"two {what}s are called {twice!r}; give each its own name.")
-    frames = np.asarray(frames, dtype=np.int64)
+    frames = _whole_frames(frames)
     coords: dict[str, Any] = {
         "time": frames / float(fps) if time_s is None else np.asarray(time_s, dtype=float),
         "frame": ("time", frames),
@@ -188,7 +196,9 @@ def check_tracks(tracks: Tracks, *, where: str = "these tracks") -> Tracks:
     Raises
     ------
     InputError
-        If variables, dimensions, or the attribute ``fps`` are missing or wrong.
+        If variables, dimensions, or the attribute ``fps`` are missing or wrong, if a name is there
+        twice or is no text, axes are not in the order x, y, z, times are no seconds, or the
+        provenance is no JSON.
     """
     if not isinstance(tracks, xr.Dataset):
         raise InputError(
@@ -203,12 +213,71 @@ def check_tracks(tracks: Tracks, *, where: str = "these tracks") -> Tracks:
         faults.append(f"attribute fps is {fps!r} instead of a positive number")
     if "frame" not in tracks.coords:
         faults.append("no coordinate 'frame' along time")
+    if not faults:
+        faults = [*_faults_of_labels(tracks), *_faults_of_time(tracks), *_faults_of_record(tracks)]
     if faults:
         raise InputError(
             f"{where}: not Tracks as pawnb writes them: " + "; ".join(faults) + ". "
             "Make them with pawnb.schema.make_tracks or a reader of pawnb.io."
         )
     return tracks
+
+
+def _whole_frames(frames: Sequence[int] | AnyArray) -> IntArray:
+    """Return frame numbers as they are; to cut a fraction off would name another frame."""
+    given = np.asarray(frames)
+    if given.size and given.dtype.kind not in "iuf":
+        raise InputError(f"frames are {given.ravel().tolist()[0]!r} ...; expected whole numbers.")
+    broken = np.flatnonzero(given != np.rint(given))
+    if broken.size:
+        raise InputError(f"frames hold {given[broken[0]]:g}; expected whole numbers.")
+    return given.astype(np.int64)
+
+
+def _faults_of_labels(tracks: Tracks) -> list[str]:
+    """Return what is wrong with the names along the dimensions."""
+    faults = []
+    for dim, axes in _AXES.items():
+        found = [str(name) for name in tracks[dim].to_numpy()] if dim in tracks.coords else []
+        if [name.casefold() for name in found] != axes[: len(found)]:
+            faults.append(f"{dim!r} is {', '.join(found)} instead of {', '.join(axes)}")
+    for dim in ("keypoint", "individual", "view"):
+        if dim not in tracks.dims:
+            continue
+        names = tracks[dim].to_numpy().tolist() if dim in tracks.coords else [None]
+        twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+        if not all(isinstance(name, str) for name in names):
+            faults.append(f"names along {dim!r} are no text")
+        elif twice is not None:
+            faults.append(f"{dim} {twice!r} is there twice")
+    return faults
+
+
+def _faults_of_time(tracks: Tracks) -> list[str]:
+    """Return what is wrong with the times: every duration and speed follows from them."""
+    time, frame = (tracks[name].to_numpy() for name in ("time", "frame"))
+    if "time" not in tracks.coords:
+        return ["no coordinate 'time' in seconds"]
+    if time.dtype.kind not in "iuf":
+        return [f"times are of type {time.dtype} instead of numbers, in seconds"]
+    if frame.dtype.kind not in "iuf":
+        return [f"frames are of type {frame.dtype} instead of whole numbers"]
+    if len(time) < 2:
+        return []
+    step, apart = (float(np.median(np.abs(np.diff(one.astype(float))))) for one in (time, frame))
+    fps = float(tracks.attrs["fps"])
+    if step > 0 and apart > 0 and not 1 / _RATES_APART <= apart / step / fps <= _RATES_APART:
+        return [f"times run at {apart / step:g} frames a second instead of {fps:g}: no seconds"]
+    return []
+
+
+def _faults_of_record(tracks: Tracks) -> list[str]:
+    """Return what is wrong with the provenance."""
+    try:
+        record = json.loads(tracks.attrs.get("provenance", "{}"))
+    except (ValueError, TypeError, RecursionError):
+        record = None
+    return [] if isinstance(record, dict) else ["attribute provenance is no JSON object"]
 
 
 def add_provenance(tracks: Tracks, **entry: Any) -> Tracks:

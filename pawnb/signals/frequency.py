@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from pawnb.arrays import FloatArray
+from pawnb.signals.runs import as_signal
 
 
 def dominant_frequency(x: FloatArray, *, fs_hz: float) -> float:
@@ -31,6 +32,8 @@ def dominant_frequency(x: FloatArray, *, fs_hz: float) -> float:
         Frequency in Hz, between two cycles in the recording and a quarter of the
         sampling rate; NaN where there is too little to tell.
     """
+    x = as_signal(x)
+    x = x.reshape(len(x), -1)
     n = len(x)
     n_fft = 8 * 2 ** math.ceil(math.log2(max(n, 2)))
     amplitude = np.zeros(n_fft // 2 + 1)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from pawnb.arrays import BoolArray, FloatArray, IntArray
+from pawnb.arrays import AnyArray, BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 
 
@@ -112,6 +112,36 @@ def _short_gaps(there: BoolArray, max_gap: int) -> IntArray:
     return gaps[inner & (gaps[:, 1] - gaps[:, 0] <= max_gap)]
 
 
+def as_signal(x: AnyArray) -> FloatArray:
+    """Return signals as floats; what is masked is missing.
+
+    Parameters
+    ----------
+    x : array_like, shape (n, ...)
+        Signals.
+
+    Returns
+    -------
+    ndarray, shape (n, ...)
+        The same numbers, NaN where missing.
+
+    Raises
+    ------
+    InputError
+        If there is no sample, or one is no number.
+    """
+    given = x if isinstance(x, np.ma.MaskedArray) else np.asarray(x)
+    if given.dtype.kind in "cmM":
+        raise InputError(f"signals: expected numbers; found {given.dtype}.")
+    try:
+        values: FloatArray = np.ma.filled(given.astype(float), np.nan)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"signals: expected numbers ({error}).") from None
+    if values.size == 0 or values.ndim == 0:
+        raise InputError(f"signals: shape {values.shape}; expected samples along the first axis.")
+    return values
+
+
 def each_column(x: FloatArray, apply: Callable[[np.ndarray], np.ndarray]) -> FloatArray:
     """Apply a function to every signal of an array whose first axis is time.
 
@@ -127,7 +157,7 @@ def each_column(x: FloatArray, apply: Callable[[np.ndarray], np.ndarray]) -> Flo
     ndarray, shape (n, ...)
         What the function returned for each signal.
     """
-    x = np.asarray(x, dtype=float)
+    x = as_signal(x)
     flat = x.reshape(len(x), -1)
     out = np.empty_like(flat)
     for k in range(flat.shape[1]):

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import tomli_w
 
 from pawnb.errors import InputError
 from pawnb.files import read_toml, write_whole
+from pawnb.schema import shown
 from pawnb.trial.description import Trial
 from pawnb.trial.document import trial_document, trial_from_document
 
@@ -67,10 +69,12 @@ def load_trial(path: str | Path) -> Trial:
     >>> trial.fps > 0, len(trial.views)
     (True, 4)
     """
+    expected = "a trial.toml or the folder that holds one"
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"the trial is {shown(path)}; expected the path of {expected}.")
     path = Path(path)
     if path.is_dir():
         path = path / "trial.toml"
-    expected = "a trial.toml or the folder that holds one"
     if path.suffix.lower() in VIDEO_ENDINGS and path.is_file():
         raise InputError(
             f"{path}: a video, not a trial; expected {expected}: make one of videos by `pawnb new "

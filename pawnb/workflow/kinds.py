@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from pawnb.core.video import ViewSet
-from pawnb.errors import PawnbError
+from pawnb.errors import InputError, PawnbError
 from pawnb.io.start import read_start
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, shown
 from pawnb.trial import Trial
 from pawnb.workflow.checking.check_points import check_points_trial
 from pawnb.workflow.checking.check_pose import check_pose_trial
@@ -188,7 +188,9 @@ def kind_of(trial: Trial) -> TrialKind:
     Raises
     ------
     InputError
-        If it has no recording: another program has tracked it.
+        If it is no trial, or has no recording: another program has tracked it.
     """
+    if not isinstance(trial, Trial):
+        raise InputError(f"trial is {shown(trial)}; expected what pawnb.load_trial returns.")
     trial.must_be(*_KINDS, or_else=NO_RECORDING)
     return _KINDS[trial.kind]

@@ -13,7 +13,7 @@ import xarray as xr
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.io import native, track_tables
 from pawnb.io.belt import read_belt_speed
 from pawnb.schema import (
@@ -364,3 +364,10 @@ def test_a_full_disk_while_tracks_are_written_is_a_sentence(tmp_path):
     assert "tracks.nc: cannot be written (File too large); free some space" in done.stderr
     assert path.read_bytes() == before
     assert [file.name for file in tmp_path.iterdir()] == ["tracks.nc"]
+
+
+def test_another_frame_rate_than_that_of_the_file_is_said(tmp_path):
+    path = native.write_tracks(example(), tmp_path / "tracks.nc")
+    with pytest.warns(InputWarning, match=r"^tracks\.nc says 250 .* and not the fps of 500"):
+        assert native.read_tracks(path, fps=500.0).attrs["fps"] == 250.0
+    native.read_tracks(path, fps=250.0)

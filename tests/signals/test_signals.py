@@ -272,3 +272,34 @@ def test_frequency_of_nothing_is_nan():
 def test_bad_arguments_are_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_masked_samples_are_missing_ones():
+    x = np.sin(np.arange(60) / 5.0)
+    spoilt = np.ma.masked_array(np.where(np.arange(60) == 30, 1e6, x), mask=np.arange(60) == 30)
+    found = fill_gaps(spoilt, max_gap=1)
+    np.testing.assert_allclose(found, x, atol=0.01)
+    assert np.isnan(butterworth_lowpass(spoilt, cutoff_hz=5.0, fs_hz=100.0)[30])
+
+
+@pytest.mark.parametrize(
+    ("x", "message"),
+    [
+        (
+            pd.timedelta_range(0, periods=9, freq="s"),
+            r"^signals: expected numbers; found timedelta",
+        ),
+        (np.ones(9) + 1j, r"^signals: expected numbers; found complex128"),
+        ("abc", r"^signals: expected numbers \(could not convert"),
+        ([], r"^signals: shape \(0,\); expected samples along the first axis"),
+        (3.0, r"^signals: shape \(\); expected samples"),
+    ],
+)
+def test_what_is_no_signal_is_refused(x, message):
+    with pytest.raises(InputError, match=message):
+        butterworth_lowpass(x, cutoff_hz=1.0, fs_hz=100.0)
+
+
+def test_the_frequency_of_a_list_is_that_of_its_array():
+    x = np.sin(2 * np.pi * 5.0 * np.arange(200) / 100.0)
+    assert dominant_frequency(list(x), fs_hz=100.0) == pytest.approx(5.0, abs=0.1)

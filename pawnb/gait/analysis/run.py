@@ -15,6 +15,7 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.gait.analysis.feet_apart import say_on_one_place
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body, notes_on_legs
 from pawnb.gait.analysis.notes import Note
+from pawnb.gait.analysis.stated_belt import belt_on_grid
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool, say_whose_notes
 from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.events.contacts import unscored_gaps
@@ -38,8 +39,7 @@ from pawnb.gait.locomotion.pose_body import pose_body
 from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.input_warnings import warn_of_input
-from pawnb.io.belt import read_belt_speed
-from pawnb.schema import Tracks, absent_frames, build_settings, check_columns, check_tracks
+from pawnb.schema import Tracks, absent_frames, build_settings, check_tracks, shown
 from pawnb.trial import Trial
 
 _GAP_COLUMNS = ("leg", "start_s", "end_s", "what")
@@ -120,6 +120,8 @@ def analyse(
     >>> gait.events[["leg", "event", "frame", "time_s"]].shape[1]
     4
     """
+    if trial is not None and not isinstance(trial, Trial):
+        raise InputError(f"trial is {shown(trial)}; expected what pawnb.load_trial returns.")
     where = f"trial {trial.name!r}" if trial is not None else "these tracks"
     settings = _settings(settings)
     check_tracks(tracks, where=where)
@@ -140,7 +142,7 @@ def analyse(
         least = least_confidence(tracks, settings.min_confidence)
         part, unseen = seen_part(tracks.sel(individual=[individual]), feet=feet, least=least)
         grid, dense = put_on_grid(part, where=where)
-        belt = _belt_on_grid(belt_speed, trial, grid)
+        belt = belt_on_grid(belt_speed, trial, grid)
         lost = [*unseen, *_lost_frames(part, grid)]
         animal = trial.animal.id if trial is not None and len(individuals) == 1 else individual
         parts.append(
@@ -256,41 +258,7 @@ def _settings(settings: EventSettings | Mapping[str, Any] | None) -> EventSettin
     """Return settings as a checked dataclass."""
     if isinstance(settings, EventSettings):
         return settings
-    return build_settings(EventSettings, settings or {}, where="gait")
-
-
-def _belt_on_grid(
-    belt_speed: float | pd.DataFrame | None, trial: Trial | None, grid: Grid
-) -> FloatArray | None:
-    """Return the belt speed at every sample, or None where none is stated."""
-    where = "belt_speed"
-    stated: float | str | pd.DataFrame | None = belt_speed
-    if stated is None and trial is not None:
-        stated = trial.belt_speed
-    if stated is None:
-        return None
-    if isinstance(stated, str) and trial is not None:
-        where = stated
-        path = trial.path(stated)
-        if not path.is_file():
-            raise InputError(f"{path}: no such table of belt speed; mend [treadmill] belt_speed.")
-        stated = read_belt_speed(path)
-    if isinstance(stated, pd.DataFrame):
-        check_columns(stated, ("frame", "speed"), where=where)
-        table = stated.sort_values("frame", kind="stable")
-        frame, speed = (table[c].to_numpy(dtype=float) for c in ("frame", "speed"))
-        if len(frame) == 0 or frame[0] > grid.frame[0] or frame[-1] < grid.frame[-1]:
-            have = f"{frame[0]:g} to {frame[-1]:g}" if len(frame) else "none"
-            raise InputError(
-                f"{where}: frames {have}; expected all from {grid.frame[0]:g} to "
-                f"{grid.frame[-1]:g}."
-            )
-        belt = np.interp(grid.frame, frame, speed)
-    else:
-        belt = np.full(len(grid.frame), float(stated))
-    if not np.isfinite(belt).all():
-        raise InputError(f"{where}: a speed is not a finite number; expected unit per second.")
-    return belt
+    return build_settings(EventSettings, {} if settings is None else settings, where="gait")
 
 
 def _analyse_one(

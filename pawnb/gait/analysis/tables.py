@@ -138,6 +138,13 @@ def pool(parts: Sequence[GaitTables], *, settings: EventSettings | None = None) 
     >>> gait.strides["animal"].unique().tolist()
     ['spider-01', 'spider-02']
     """
+    parts = [parts] if isinstance(parts, GaitTables) else list(parts)
+    wrong = [part for part in parts if not isinstance(part, GaitTables)]
+    if wrong:
+        raise InputError(
+            f"to pool: found {type(wrong[0]).__name__}; expected analyses, as pawnb.gait.analyse "
+            "makes."
+        )
     if not parts:
         raise InputError("nothing to pool: expected at least one analysis.")
     seen: set[tuple[str, str]] = set()

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from pawnb.gait.groups.animals import mean_of_animals
-from pawnb.gait.inference.checks import check_values
+from pawnb.gait.inference.checks import check_animals, check_values
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.gait.inference.variance_shares import icc_interval, variance_shares
 from pawnb.schema import check_columns
@@ -53,9 +53,10 @@ def summarise_animals(
     Raises
     ------
     InputError
-        If a column is missing or level cannot be used.
+        If a column is missing, an animal has no name, or level cannot be used.
     """
     check_columns(table, ["animal", *by, *measures], where="summary of animals")
+    check_animals(table, where="summary of animals")
     groups = table.groupby(list(by), sort=False) if by else [((), table)]
     rows = []
     for key, own in groups:

@@ -16,11 +16,12 @@ import pandas as pd
 from scipy.stats import false_discovery_control
 
 from pawnb.arrays import AnyArray, FloatArray
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.groups.differences import compare_paired, compare_two, compare_two_phases
 from pawnb.gait.groups.shared_names import keep_shared
-from pawnb.gait.inference.checks import check_level
+from pawnb.gait.inference.checks import check_animals, check_level
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import check_columns
 
 GROUP_COLUMNS = (
@@ -104,12 +105,18 @@ def compare_groups(
     ------
     InputError
         If a column is missing, there are fewer than two groups, an animal is in two groups
-        of an unpaired comparison, an option is unknown, or phases are to be averaged over
-        a column.
+        of an unpaired comparison, an animal has no name, a value is infinite, an option is
+        unknown, or phases are to be averaged over a column.
+
+    Warns
+    -----
+    InputWarning
+        If rows have no group.
     """
     averaged = [] if average_over is None else [average_over]
     columns = ["animal", group, *averaged]
     check_columns(table, [*columns, *by, *measures], where="comparison of groups")
+    check_animals(table, where="comparison of groups")
     check_level(level)
     if circular and averaged:
         raise InputError(f"phases of several {average_over}s have no common mean; use by= instead.")
@@ -118,6 +125,9 @@ def compare_groups(
     words = [name for name in measures if not pd.api.types.is_numeric_dtype(table[name])]
     if words:
         raise InputError(f"column {words[0]!r} does not hold numbers; expected a measure.")
+    if np.isinf(table[list(measures)].to_numpy(dtype=float, na_value=np.nan)).any():
+        raise InputError("comparison of groups: some values are infinite; leave them out.")
+    _tell_without_group(table, group)
     pairs = _pairs(table, group, reference)
     rows: list[dict[str, Any]] = []
     parts = table.groupby(list(by), sort=False) if by else [((), table)]
@@ -146,6 +156,18 @@ def compare_groups(
     )
     found["p_all_measures"] = adjust_p(p.to_numpy(), correction=correction)
     return found
+
+
+def _tell_without_group(table: pd.DataFrame, group: str) -> None:
+    """Warn of animals that no comparison counts, as a name lacks in what says their group."""
+    lost = list(dict.fromkeys(table["animal"][table[group].isna()].astype(str)))
+    if lost:
+        warn_of_input(
+            f"comparison of groups: {group!r} is empty in rows of {', '.join(lost[:5])}"
+            f"{' and others' * (len(lost) > 5)}, which are left out.",
+            InputWarning,
+            stacklevel=3,
+        )
 
 
 def adjust_p(p: AnyArray, *, correction: str = "holm") -> FloatArray:

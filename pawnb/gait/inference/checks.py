@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 
 from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
@@ -35,6 +36,8 @@ def as_numbers(values: AnyArray, name: str) -> FloatArray:
     if np.iscomplexobj(values):
         raise InputError(f"{name}: expected numbers; found complex ones.")
     try:
+        if isinstance(values, np.ma.MaskedArray):  # what is masked was not measured
+            values = np.ma.filled(values.astype(float), np.nan)
         return np.asarray(values, dtype=float).ravel()
     except (TypeError, ValueError) as error:
         raise InputError(f"{name}: expected numbers ({error}).") from error
@@ -66,6 +69,28 @@ def check_values(values: FloatArray) -> FloatArray:
             f"values: {found}; expected finite numbers: leave out what was not measured."
         )
     return values
+
+
+def check_animals(table: pd.DataFrame, *, where: str) -> None:
+    """Refuse rows of no animal: they would be left out, or count as one more.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Its column ``animal``.
+    where : str
+        How the message names it.
+
+    Raises
+    ------
+    InputError
+        If an animal is missing.
+    """
+    empty = table["animal"].isna().to_numpy()
+    if empty.any():
+        raise InputError(
+            f"{where}: column 'animal' is empty in row {int(empty.argmax()) + 1}; expected a name."
+        )
 
 
 def check_level(level: float) -> None:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
-from pawnb.schema import Tracks, rows_with_places
+from pawnb.schema import Tracks, check_frames, rows_with_places
 
 _SAMPLES_FOR_A_STEP = 10
 """Frames with a place from which on their common step is no chance: ten at random are all even, or
@@ -64,16 +64,18 @@ def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
     Raises
     ------
     InputError
-        If frame numbers or times do not rise, or there are fewer than three frames.
+        If frame numbers or times do not rise, there are fewer than three frames, or a position is
+        infinite.
     """
     tracks = _sampled(tracks)
-    frames = tracks["frame"].to_numpy().astype(np.int64)
+    n = tracks.sizes["time"]
+    if n < 3:
+        raise InputError(f"{where}: {n} frame{'s' * (n != 1)}; expected at least three.")
+    frames = check_frames(tracks["frame"].to_numpy(), where=where)
     times = tracks["time"].to_numpy().astype(float)
-    if len(frames) < 3:
-        frame_s = "frame" if len(frames) == 1 else "frames"
-        raise InputError(f"{where}: {len(frames)} {frame_s}; expected at least three.")
-    if not (np.all(np.diff(frames) > 0) and np.all(np.diff(times) > 0)):
-        raise InputError(f"{where}: frame numbers and times must rise; sort them, no doubles.")
+    if not np.all(np.diff(times) > 0):
+        raise InputError(f"{where}: times must rise with the frames; sort them, no doubles.")
+    _check_finite(tracks, frames, where)
     step = int(np.gcd.reduce(np.diff(frames)))
     full = np.arange(frames[0], frames[-1] + 1, step)
     full_times = np.interp(full, frames, times)
@@ -117,3 +119,15 @@ def _sampled(tracks: Tracks) -> Tracks:
         return tracks
     steps = [int(np.gcd.reduce(np.diff(own))) for own in (frames[places], frames)]
     return tracks.isel(time=places) if steps[0] > steps[1] > 0 else tracks
+
+
+def _check_finite(tracks: Tracks, frames: IntArray, where: str) -> None:
+    """Refuse infinite positions: they are no places, and no missing ones either."""
+    for name in (n for n in ("position", "image_position") if n in tracks):
+        infinite = np.argwhere(np.isinf(tracks[name].to_numpy().astype(float)))
+        if len(infinite):
+            point = tracks["keypoint"].to_numpy()[infinite[0][-2]]
+            raise InputError(
+                f"{where}: frame {frames[infinite[0][0]]}, point {str(point)!r} is at infinity; "
+                "expected a number, or NaN where it was not seen."
+            )

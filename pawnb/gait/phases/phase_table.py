@@ -17,7 +17,12 @@ from pawnb.gait.circular.rayleigh import rayleigh_p
 from pawnb.gait.inference.animal_phases import phase_of_animals
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.gait.inference.circular_length import length_interval
-from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
+from pawnb.schema import (
+    DROPPED_COLUMNS,
+    PHASE_SUMMARY_COLUMNS,
+    PHASES_COLUMNS,
+    check_columns,
+)
 
 
 def phase_lags(times: FloatArray, reference: FloatArray) -> tuple[IntArray, FloatArray]:
@@ -142,7 +147,13 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
         :func:`~pawnb.gait.circular.mean_interval` for strides; of r, ``r_low`` and ``r_high``:
         :func:`~pawnb.gait.inference.circular_length.length_interval`. ``moore_r`` and ``moore_p``:
         Moore's second-order test of the animals' mean vectors.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, a phase is not finite, or an animal has no name.
     """
+    check_columns(phases, ("animal", "leg", "reference", "phase"), where="phases")
     rows = []
     for (leg, reference), group in phases.groupby(["leg", "reference"], sort=False):
         strides = group["phase"].to_numpy()

@@ -377,6 +377,8 @@ def _points(
             f"{'' if names is None else f', animals {names.shape}'}; expected one value a point."
         )
     check_level(level)
+    if np.isinf(x).any() or np.isinf(y).any():
+        raise InputError("regression: some values are infinite; leave those points out.")
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     if len(x) < LEAST_POINTS or not differ(x):

@@ -18,6 +18,7 @@ from pawnb.input_warnings import warn_of_input
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.io.osp_tracker import tables_in_folder
+from pawnb.io.points import tell_rate_kept
 from pawnb.io.unread import tell_folder
 from pawnb.schema import Tracks
 from pawnb.trial import Animal, Trial, load_trial
@@ -223,7 +224,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     check_file(path, expected="a trial, a results folder, tracks or an events.csv")
     if path.suffix == ".toml":
-        return _read_trial(load_trial(path), path)
+        return _at_own_rate(_read_trial(load_trial(path), path), fps)
     if trial_stamp(path.name) is not None:
         raise InputError(
             f"{path}: one of the four files of a trial of the 2019 authors, which need their DLT; "
@@ -235,8 +236,15 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         guessed = bool((events["animal"] == path.stem).all())
         return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
     if (own := _trial_of_results(path)) is not None:
-        return _read_trial(own, own.folder / "trial.toml")
+        return _at_own_rate(_read_trial(own, own.folder / "trial.toml"), fps)
     return _read_tracks(path, fps)
+
+
+def _at_own_rate(source: GaitSource, fps: float | None) -> GaitSource:
+    """Return an input that says its frame rate itself; say so where another one is given."""
+    if source.trial is not None:
+        tell_rate_kept(str(source.of_trial), source.trial.fps, fps, stacklevel=3)
+    return source
 
 
 def _read_tracks(path: Path, fps: float | None) -> GaitSource:

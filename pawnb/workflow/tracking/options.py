@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.tracker import DEFAULT
+from pawnb.errors import InputError
+from pawnb.schema import shown
 from pawnb.workflow.progress import Progress
 
 
@@ -32,6 +35,24 @@ class TrackOptions:
     progress: Progress | None = None
     stop: Callable[[], bool] | None = None
     command: Sequence[str] | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.method, str):
+            raise InputError(f"method is {shown(self.method)}; expected its name.")
+        if self.settings is not None and not isinstance(self.settings, Mapping):
+            raise InputError(
+                f"settings are {shown(self.settings)}; expected names and values, as "
+                "{name: value}."
+            )
+        span = self.frames
+        if span is not None and not (
+            isinstance(span, Sequence)
+            and len(span) == 2
+            and all(isinstance(one, int | np.integer) for one in span)
+        ):
+            raise InputError(
+                f"frames is {shown(span)}; expected the first and one past the last, as (0, 1000)."
+            )
 
 
 @dataclass(frozen=True)

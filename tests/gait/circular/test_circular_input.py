@@ -112,3 +112,10 @@ def test_numbers_of_phases_are_whole():
         rayleigh_p(3.5, 0.5)
     with pytest.raises(InputError, match=r"^order is 1\.5; expected a whole number"):
         circular_moment(np.array([0.1, 0.2]), 1.5)
+
+
+def test_masked_phases_are_missing_ones():
+    masked = np.ma.masked_array([0.1, 0.6, 0.2], mask=[False, True, False])
+    with pytest.raises(InputError, match=r"^phases: 1 of 3 are not finite"):
+        mean_vector(masked)
+    assert mean_vector(masked.compressed()).mean == pytest.approx(0.15)

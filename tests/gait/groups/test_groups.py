@@ -10,10 +10,11 @@ import pytest
 from scipy.stats import ttest_ind, ttest_rel
 from statsmodels.stats.multitest import multipletests
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.figures import build_estimation_table
 from pawnb.gait.circular.tests import mean_test
 from pawnb.gait.groups import GROUP_COLUMNS, adjust_p, compare_groups
+from pawnb.gait.groups.animal_summary import summarise_animals
 from pawnb.gait.groups.differences import compare_paired, compare_two, compare_two_phases, hedges_g
 from pawnb.gait.overview import measures_by_animal
 
@@ -366,3 +367,37 @@ def test_animals_that_share_no_leg_are_said_to_have_means_of_different_ones():
         "animals have means of different legs: HR is not known of a1, a2, a3 and 1 more; "
         "FR is not known of b1, b2"
     )
+
+
+def strides_of_groups():
+    return pd.DataFrame(
+        {
+            "animal": np.repeat(list("abcdef"), 3),
+            "group": np.repeat(["control", "lesion"], 9),
+            "duty": np.arange(18) / 40,
+        }
+    )
+
+
+def test_animals_without_a_group_are_named():
+    """As of a dictionary that lacks one: Series.map leaves its rows without a group."""
+    table = strides_of_groups()
+    group = {"a": "control", "b": "control", "d": "lesion", "e": "lesion", "f": "lesion"}
+    with pytest.warns(InputWarning, match=r"'group' is empty in rows of c, which are left out"):
+        found = compare_groups(table.assign(group=table["animal"].map(group)), ["duty"])
+    assert (found["n_animals_a"][0], found["n_animals_b"][0]) == (2, 3)
+
+
+@pytest.mark.parametrize("summarise", [compare_groups, summarise_animals, measures_by_animal])
+def test_rows_of_no_animal_are_refused(summarise):
+    table = strides_of_groups().assign(leg="FR")
+    table.loc[2, "animal"] = None
+    with pytest.raises(InputError, match=r"column 'animal' is empty in row 3; expected a name"):
+        summarise(table, ["duty"])
+
+
+def test_infinite_values_are_refused():
+    table = strides_of_groups()
+    table.loc[2, "duty"] = np.inf
+    with pytest.raises(InputError, match=r"^comparison of groups: some values are infinite"):
+        compare_groups(table, ["duty"])

@@ -1,4 +1,4 @@
-"""Samples are equally spaced, and no more than the file has."""
+"""Samples are equally spaced, and no more than the file has; what cannot be put on them is said."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ import warnings
 import numpy as np
 import pytest
 
+from pawnb.errors import InputError
 from pawnb.gait import analyse
 from pawnb.gait.locomotion.grid import put_on_grid
-from pawnb.schema import make_tracks
+from pawnb.schema import absent_frames, make_tracks
 
 FPS, FREQUENCY_HZ, N = 200.0, 4.0, 600
 LEGS = ("FR", "HR", "FL", "HL")
@@ -67,3 +68,33 @@ def test_empty_rows_do_not_change_the_gait():
     for name in columns[1:]:
         np.testing.assert_allclose(filled.strides[name], without.strides[name], rtol=1e-9)
     assert filled.strides["frequency_hz"].median() == pytest.approx(FREQUENCY_HZ, rel=0.02)
+
+
+def example():
+    tracks = make_tracks(range(6), ["FR", "HR"], fps=100.0)
+    tracks["position"].data[:] = 1.0
+    return tracks
+
+
+def test_frame_numbers_may_be_floats_that_are_whole():
+    tracks = example().isel(time=[0, 1, 3, 4, 5])
+    floats = tracks.assign_coords(frame=tracks["frame"].astype(float))
+    grid, dense = put_on_grid(floats, where="x")
+    assert grid.frame.tolist() == [0, 1, 2, 3, 4, 5]
+    assert np.isnan(dense["position"][2]).all()
+    assert absent_frames(floats) == [(2, 2, "the tracks")]
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf])
+def test_a_position_at_infinity_is_refused_and_not_taken_for_a_missing_one(value):
+    tracks = example()
+    tracks["position"].data[4, 2, 1, 0] = value
+    with pytest.raises(InputError, match=r"^x: frame 4, point 'HR' is at infinity; expected"):
+        put_on_grid(tracks, where="x")
+
+
+def test_times_that_do_not_rise_are_refused():
+    tracks = example()
+    back = tracks.assign_coords(time=tracks["time"].to_numpy()[[0, 1, 3, 2, 4, 5]])
+    with pytest.raises(InputError, match=r"^x: times must rise with the frames"):
+        put_on_grid(back, where="x")

@@ -13,7 +13,7 @@ import numpy as np
 from pawnb.arrays import Float32Array, FloatArray
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.scene.stack import BodyStack
-from pawnb.errors import InputError
+from pawnb.errors import InputError, PawnbError
 
 ENTRY_POINTS = "pawnb.evidence"
 """Group of entry points under which other packages offer kinds of evidence."""
@@ -120,6 +120,70 @@ def installed_evidence() -> list[EvidenceKind]:
                 "mend or remove the package that offers it."
             ) from error
     return kinds
+
+
+def found_by(
+    kind: EvidenceKind,
+    view: str,
+    stack: BodyStack,
+    annotations: Annotations,
+    *,
+    points: tuple[str, ...],
+) -> Detections:
+    """Return what a kind of evidence finds in a view, if it is what a tracker can use.
+
+    Parameters
+    ----------
+    kind, view, stack, annotations, points
+        The kind, and what its ``detect`` is called with.
+
+    Returns
+    -------
+    Detections
+        As arrays; places without a position are left out later (:meth:`Detections.within`).
+
+    Raises
+    ------
+    InputError
+        If it fails, or what it returns are no detections: arrays of other lengths, points that
+        there are not, log odds or standard deviations that are no numbers.
+    """
+    try:
+        found = kind.detect(view, stack, annotations=annotations, points=points)
+        row, point = (np.asarray(a) for a in (found.row, found.point))
+        uv, odds, sd = (np.asarray(a, dtype=float) for a in (found.uv, found.log_odds, found.sd_px))
+    except PawnbError:
+        raise
+    except Exception as error:
+        raise InputError(_of_kind(kind, view, f"fails: {type(error).__name__}: {error}")) from error
+    m = len(row) if row.ndim == 1 else -1
+    shapes = (row.shape, point.shape, uv.shape, odds.shape, sd.shape)
+    placed = np.isfinite(uv).all(axis=-1) if uv.ndim == 2 else np.zeros(0, bool)
+    fault = ""
+    if shapes != ((m,), (m,), (m, 2), (m,), (m,)):
+        fault = "returns row, point, uv, log_odds and sd_px of shapes " + ", ".join(
+            map(str, shapes)
+        )
+    elif m and not (row.dtype.kind in "iu" and point.dtype.kind in "iu"):
+        fault = "returns rows or points that are no whole numbers"
+    elif m and not (point.min() >= 0 and point.max() < len(points)):
+        fault = f"returns points {point.min()} to {point.max()}; there are 0 to {len(points) - 1}"
+    elif not (np.isfinite(odds[placed]).all() and np.isfinite(sd[placed]).all()):
+        fault = "returns log_odds or sd_px that are no finite numbers"
+    elif (sd[placed] < 0).any():
+        fault = "returns an sd_px below 0"
+    if fault:
+        raise InputError(_of_kind(kind, view, fault))
+    return Detections(row, point, uv, odds, sd)
+
+
+def _of_kind(kind: EvidenceKind, view: str, fault: str) -> str:
+    """Return a sentence on a kind of evidence that cannot be used."""
+    name = getattr(kind, "name", type(kind).__name__)
+    return (
+        f"the kind of evidence {name!r} {fault} (view {view!r}); mend or remove the package that "
+        "offers it."
+    )
 
 
 def paint(found: Detections, stack: BodyStack, point: int) -> Float32Array:

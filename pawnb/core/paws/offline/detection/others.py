@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.detection.evidence import Detections, EvidenceKind
+from pawnb.core.paws.offline.detection.evidence import Detections, EvidenceKind, found_by
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.request import TrackingRequest
@@ -45,17 +46,17 @@ def detections_of_others(
     -------
     list of Detections
         One of each kind, and of the predictions.
+
+    Raises
+    ------
+    InputError
+        If a kind fails, or returns what cannot be used.
     """
     name = layout.views[view]
-    found = [
-        kind.detect(name, stack, annotations=annotations, points=layout.points) for kind in kinds
-    ]
+    asked: dict[str, Any] = {"annotations": annotations, "points": layout.points}
+    found = [found_by(kind, name, stack, **asked) for kind in kinds]
     if name in task.predictions:
-        uv, likelihood = task.predictions[name].of(layout.points)
-        part = slice(*span)
-        found.append(
-            predictions_as_detections(
-                uv[part], likelihood[part], annotations, size=layout.sizes[view]
-            )
-        )
+        uv, likelihood = (one[slice(*span)] for one in task.predictions[name].of(layout.points))
+        size = layout.sizes[view]
+        found.append(predictions_as_detections(uv, likelihood, annotations, size=size))
     return found

@@ -7,8 +7,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection import evidence
-from pawnb.core.paws.offline.detection.evidence import Detections, bump_at, paint
+from pawnb.core.paws.offline.detection.evidence import (
+    Detections,
+    bump_at,
+    found_by,
+    paint,
+)
 from pawnb.errors import InputError
 
 
@@ -111,3 +117,49 @@ def test_a_kind_that_cannot_be_loaded_or_made_is_named(monkeypatch, load, why):
     monkeypatch.setattr(evidence, "entry_points", lambda **_: [offered(load)])
     with pytest.raises(InputError, match=rf"'net' of other.package:Net cannot be used: .*{why}"):
         evidence.installed_evidence()
+
+
+class Answers:
+    """A kind of evidence that returns what it is told to."""
+
+    name = "net"
+
+    def __init__(self, answer):
+        self.answer = answer
+
+    def detect(self, view, stack, annotations, *, points):
+        if isinstance(self.answer, Exception):
+            raise self.answer
+        return self.answer
+
+
+def two(**changed):
+    usual = {
+        "row": [0, 1], "point": [0, 1], "uv": [[4, 5], [np.nan, 3]], "log_odds": [2, 1],
+        "sd_px": [1, 2],
+    }  # fmt: skip
+    return SimpleNamespace(**{**usual, **changed})
+
+
+def test_lists_of_another_package_become_arrays(stack):
+    found = found_by(Answers(two()), "cam1", stack, Annotations({}), points=("FR", "HR"))
+    assert found.within(3).uv.tolist() == [[4.0, 5.0]]
+    assert found.part(1, 2).row.tolist() == [0]
+
+
+@pytest.mark.parametrize(
+    ("answer", "message"),
+    [
+        (ValueError("no weights"), r"fails: ValueError: no weights \(view 'cam1'\)"),
+        (None, r"fails: AttributeError"),
+        (two(log_odds=[1.0]), r"returns row, .* of shapes \(2,\), \(2,\), \(2, 2\), \(1,\), \(2,"),
+        (two(point=[0, 7]), r"returns points 0 to 7; there are 0 to 1"),
+        (two(row=[0.0, 1.0]), r"returns rows or points that are no whole numbers"),
+        (two(log_odds=[np.inf, 1]), r"returns log_odds or sd_px that are no finite numbers"),
+        (two(sd_px=[-1.0, 1]), r"returns an sd_px below 0"),
+    ],
+)
+def test_what_another_package_finds_is_looked_through(stack, answer, message):
+    with pytest.raises(InputError, match=rf"^the kind of evidence 'net' {message}") as caught:
+        found_by(Answers(answer), "cam1", stack, Annotations({}), points=("FR", "HR"))
+    assert str(caught.value).endswith("mend or remove the package that offers it.")
