@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 from trotting import walking_tracks
 
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.io.native import write_tracks
 from pawnb.workflow.gait.group_notes import notes_on_fields, notes_on_groups
 from pawnb.workflow.gait.inputs import read_sources
@@ -232,7 +232,7 @@ def test_a_trial_that_names_another_animal_and_group_than_the_study_is_named(tmp
         folder.mkdir()
         write_tracks(walking_tracks("t", "x").isel(time=slice(0, 200)), folder / "own.nc")
         (folder / "trial.toml").write_text(
-            f'[trial]\nkind = "tracks"\nname = "{animal}-1"\nfps = {FPS}\n'
+            f'[trial]\nkind = "tracks"\nname = "{animal}-1"\nfps = 250.0\n'
             f'[animal]\nid = "a"\nspecies = "mouse"\ngroup = "ctl"\n[tracks]\nfile = "own.nc"\n'
         )
         rows.append({"file": animal, "animal": animal, "group": group})
@@ -241,6 +241,20 @@ def test_a_trial_that_names_another_animal_and_group_than_the_study_is_named(tmp
     groups, animals = [n for n in notes_on_sources(sources, None) if "as the file itself" in n]
     assert "itself: trial.toml (b-1) in les, not ctl. Look" in groups
     assert "itself: trial.toml (b-1) as b, not a. Look" in animals
+
+
+def test_another_frame_rate_than_that_of_a_trial_is_said(tmp_path):
+    write_tracks(walking_tracks("t", "x").isel(time=slice(0, 200)), tmp_path / "own.nc")
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "x"\nfps = 250.0\n[tracks]\nfile = "own.nc"\n'
+    )
+    with pytest.warns(
+        InputWarning, match=r"trial\.toml says 250 .* and not the fps of 500 that is"
+    ):
+        source = read_source(tmp_path, fps=500.0)
+    assert source.tracks is not None
+    assert source.tracks.attrs["fps"] == 250.0
+    read_source(tmp_path, fps=250.0)
 
 
 def test_events_of_several_animals_or_trials_are_not_made_into_one(tmp_path):

@@ -126,8 +126,8 @@ def found_by(
     kind: EvidenceKind,
     view: str,
     stack: BodyStack,
-    annotations: Annotations,
     *,
+    annotations: Annotations,
     points: tuple[str, ...],
 ) -> Detections:
     """Return what a kind of evidence finds in a view, if it is what a tracker can use.

@@ -142,7 +142,9 @@ def two(**changed):
 
 
 def test_lists_of_another_package_become_arrays(stack):
-    found = found_by(Answers(two()), "cam1", stack, Annotations({}), points=("FR", "HR"))
+    found = found_by(
+        Answers(two()), "cam1", stack, annotations=Annotations({}), points=("FR", "HR")
+    )
     assert found.within(3).uv.tolist() == [[4.0, 5.0]]
     assert found.part(1, 2).row.tolist() == [0]
 
@@ -161,5 +163,5 @@ def test_lists_of_another_package_become_arrays(stack):
 )
 def test_what_another_package_finds_is_looked_through(stack, answer, message):
     with pytest.raises(InputError, match=rf"^the kind of evidence 'net' {message}") as caught:
-        found_by(Answers(answer), "cam1", stack, Annotations({}), points=("FR", "HR"))
+        found_by(Answers(answer), "cam1", stack, annotations=Annotations({}), points=("FR", "HR"))
     assert str(caught.value).endswith("mend or remove the package that offers it.")
