@@ -267,7 +267,8 @@ def _faults_of_time(tracks: Tracks) -> list[str]:
     step, apart = (float(np.median(np.abs(np.diff(one.astype(float))))) for one in (time, frame))
     fps = float(tracks.attrs["fps"])
     if step > 0 and apart > 0 and not 1 / _RATES_APART <= apart / step / fps <= _RATES_APART:
-        return [f"times run at {apart / step:g} frames a second instead of {fps:g}: no seconds"]
+        rate = f"{apart / step:g} frames a second instead of {fps:g}"
+        return [f"times run at {rate}: bring them to seconds"]
     return []
 
 

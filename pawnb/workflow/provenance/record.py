@@ -38,6 +38,12 @@ def _versions() -> Mapping[str, str]:
             versions[name] = importlib.metadata.version(name)
         except importlib.metadata.PackageNotFoundError:
             versions[name] = "not installed"
+    from pawnb.core.paws.offline.detection.evidence import ENTRY_POINTS  # slow to import
+
+    # packages that offer kinds of evidence shape tracks by being installed
+    for entry in importlib.metadata.entry_points(group=ENTRY_POINTS):
+        if entry.dist is not None:
+            versions[entry.dist.name] = entry.dist.version
     return versions
 
 

@@ -90,3 +90,18 @@ def test_a_record_that_is_none_is_one_sentence(text):
         provenance_steps(tracks.assign_attrs(provenance=text))
     del tracks.attrs["provenance"]
     assert provenance_steps(tracks) == []
+
+
+def test_packages_that_offer_evidence_are_among_the_versions(tmp_path, monkeypatch):
+    """A package as pip installs it, with an entry point as it writes it."""
+    info = tmp_path / "otherkind-0.3.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: otherkind\nVersion: 0.3\n")
+    (info / "entry_points.txt").write_text("[pawnb.evidence]\nnet = otherkind:Net\n")
+    assert "otherkind" not in provenance.package_versions()
+    monkeypatch.syspath_prepend(tmp_path)
+    provenance._versions.cache_clear()
+    try:
+        assert provenance.package_versions()["otherkind"] == "0.3"
+    finally:
+        provenance._versions.cache_clear()
