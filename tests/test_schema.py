@@ -182,7 +182,7 @@ def seconds(tracks, times):
         (lambda t: seconds(t, 1000.0 * t.time.to_numpy()), "times run at 0.25 frames a second"),
         (lambda t: t.drop_vars("time"), "no coordinate 'time' in seconds"),
         (lambda t: t.isel(space=[1, 0, 2]), "'space' is y, x, z instead of x, y, z"),
-        (lambda t: t.sel(space=["x", "z"]), "'space' is x, z instead of x, y, z"),
+        (lambda t: t.sel(space=["x", "z"]), "'space' is x, z instead of x, y\\."),
         (lambda t: t.isel(image_space=[1, 0]), "'image_space' is v, u instead of u, v"),
         (lambda t: t.assign_coords(keypoint=["FR", "FR"]), "keypoint 'FR' is there twice"),
         (lambda t: t.assign_coords(individual=[7]), "names along 'individual' are no text"),

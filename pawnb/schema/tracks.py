@@ -240,7 +240,9 @@ def _faults_of_labels(tracks: Tracks) -> list[str]:
     for dim, axes in _AXES.items():
         found = [str(name) for name in tracks[dim].to_numpy()] if dim in tracks.coords else []
         if [name.casefold() for name in found] != axes[: len(found)]:
-            faults.append(f"{dim!r} is {', '.join(found)} instead of {', '.join(axes)}")
+            faults.append(
+                f"{dim!r} is {', '.join(found)} instead of {', '.join(axes[: len(found)])}"
+            )
     for dim in ("keypoint", "individual", "view"):
         if dim not in tracks.dims:
             continue

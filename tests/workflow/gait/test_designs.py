@@ -31,7 +31,7 @@ def write_trial(path, *, period=20.0, stance=12.0, strides=6):
 
 def analyse(folder, rows, **columns):
     """Return the notes, the methods paragraph and the comparison of the groups."""
-    study = pd.DataFrame(rows).assign(fps=FPS, **columns)
+    study = pd.DataFrame(rows).assign(**{"fps": FPS, **columns})
     study.to_csv(folder / "study.csv", index=False)
     run = run_gait(folder / "study.csv", figures="none")
     table = folder / "results" / "groups.csv"
@@ -173,7 +173,7 @@ def test_an_animal_without_strides_is_counted_and_keeps_its_group(tmp_path):
     for k, tracks in enumerate((walking_tracks("t1", "m1"), walking_tracks("t2", "m2"), still)):
         write_tracks(tracks, tmp_path / f"{k}.nc")
         rows.append({"file": f"{k}.nc", "animal": f"m{k}", "group": "ab"[k > 0]})
-    _, methods, _ = analyse(tmp_path, rows, name=["t0", "t1", "t2"])
+    _, methods, _ = analyse(tmp_path, rows, name=["t0", "t1", "t2"], fps=250.0)
     assert methods.startswith("Gait was analysed in 3 trials of 3 animals: ")
     assert " No stride was found in 1 of these trials (t2); m2 is in no mean and no te" in methods
     listed = pd.read_csv(tmp_path / "results" / "trials.csv")
