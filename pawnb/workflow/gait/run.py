@@ -52,6 +52,7 @@ from pawnb.workflow.gait.study_tables import (
     size_tables,
     tables_of_study,
 )
+from pawnb.workflow.gait.tracking_notes import notes_on_tracking
 from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
 from pawnb.workflow.provenance.notes import noted_warnings, notes_table
 from pawnb.workflow.provenance.report.index_page import INDEX_FILE, index_page
@@ -242,8 +243,9 @@ def carry_out(
             )  # fmt: skip
             notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
             said = methods_paragraphs(
-                tables, found.every, step=step, tracked=[one.tracks for one in found.seen]
-            )
+                tables, found.every, step=step, tracked=[one.tracks for one in found.seen],
+                verdicts=[one.quality for one in found.seen],
+            )  # fmt: skip
             files += _write_words(found.every, files, notes=notes, said=said, folder=staging)
         written = [folder / file.relative_to(staging) for file in files]
     tell_replaced(folder, replaced)
@@ -281,7 +283,7 @@ def _findings(
     further, remarks = _further_tables(tables, sources, groups=groups, angles=angles)
     joints = joint_signals_of(named_tracks)
     further |= tables_of_study(tables, groups=groups, joints=joints, fields=fields)
-    told = notes_on_sources(sources, request.animals)
+    told = [*notes_on_tracking(seen), *notes_on_sources(sources, request.animals)]
     told += notes_on_trials(sources, tables, groups, aside=aside, fields=fields)
     try:
         further |= size_tables(tables.strides, fields)

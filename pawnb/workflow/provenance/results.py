@@ -143,7 +143,9 @@ def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
     return Path(out) if out is not None else trial.folder / RESULTS_FOLDER
 
 
-def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = None) -> Path:
+def write_track_results(
+    tracks: Tracks, out: str | Path, *, rig: Rig | None = None, warn: bool = False
+) -> Path:
     """Write ``tracks.nc``, its tables, ``suspects.csv``, ``quality.json`` and ``notes.csv``.
 
     ``provenance.json`` is written last.
@@ -157,6 +159,8 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
         The folder; it is made where it is absent.
     rig : Rig, optional
         The calibrated views: suspects are then told view by view.
+    warn : bool
+        Whether to warn of gait in the folder that is of the tracks of before.
 
     Returns
     -------
@@ -180,6 +184,9 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
             write_whole(staging / QUALITY_FILE, quality_text(assess_quality(tracks)).encode())
         write_table(notes_table(tracking_notes(tracks)), staging / "notes.csv")
     (out / FAILURE_FILE).unlink(missing_ok=True)
+    old_gait = find_fault(out, run="gait") if known_files(out).files_of("gait") else None
+    if warn and old_gait is not None:
+        warn_of_input(old_gait, InputWarning, stacklevel=3)
     return out
 
 
@@ -293,17 +300,29 @@ def need_sources(folder: Path) -> None:
     asked = f" ({command})" if command else ""
     raise InputError(
         f"{folder} holds the results of an analysis{asked} and not what that was made from; name "
-        f"{_sources_of(steps)} instead, or {folder / 'events.csv'} for its events alone."
+        f"{_sources_of(steps, folder)} instead, or {folder / 'events.csv'} for its events alone."
     )
 
 
-def _sources_of(steps: list[dict[str, Any]]) -> str:
+def _sources_of(steps: list[dict[str, Any]], folder: Path) -> str:
     """Name what an analysis was made from, as far as the record says it."""
-    given = [str(name) for step in steps for name in step.get("given") or ()]
+    given = [_lies_at(str(n), folder) for step in steps for n in step.get("given") or ()]
     if not given:
         return "the trial, the study or the tracks"
     more = f" and {len(given) - _MOST_NAMED} more" if len(given) > _MOST_NAMED else ""
     return ", ".join(given[:_MOST_NAMED]) + more
+
+
+def _lies_at(label: str, folder: Path) -> str:
+    """Return a path to an input of the record, from where the user is; else what that calls it."""
+    parts = Path(label).parts
+    tails = [Path(*parts[k:]) for k in range(len(parts))]
+    for place in folder.resolve().parents:
+        there = next((path for tail in tails if (path := place / tail).exists()), None)
+        if there is not None:
+            here = Path.cwd()
+            return str(there.relative_to(here) if there.is_relative_to(here) else there)
+    return label
 
 
 def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:

@@ -62,6 +62,22 @@ def assess_quality(tracks: Tracks) -> Quality:
     return replace(quality, reasons=(*still, *moved, *quality.reasons))
 
 
+def verdict_on(tracks: Tracks) -> Quality | None:
+    """Return how good tracks are that pawnb made; None of others, and of places in space alone.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of any program.
+    """
+    if tracks.attrs.get("source_software") != "pawnb" or "image_position" not in tracks:
+        return None
+    try:
+        return assess_quality(tracks)
+    except InputError:
+        return None
+
+
 def _with_chances(tracks: Tracks) -> Tracks:
     """Return body and tips; of one view their labels have the probability of being right."""
     poses = tracks.sel(keypoint=[BODY_POINT, *animal_of(tracks).leg_names])

@@ -128,7 +128,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         tracks = _judged(tracks, views, clicks, rig, freezes)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
-            write_track_results(tracks, out, rig=rig)
+            write_track_results(tracks, out, rig=rig, warn=True)
     tell_failed(tracks, complete=whole)
     return tracks
 

@@ -19,7 +19,12 @@ from pawnb.workflow.batch import run as batch_module
 from pawnb.workflow.batch.places import Processes, TrialOutcome
 from pawnb.workflow.batch.run import batch, find_trials, is_tracked
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, writing_results
-from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.provenance.record import (
+    build_step,
+    file_checksum,
+    trial_checksums,
+    trial_fingerprint,
+)
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.tracking.methods import settings_in_force
 from pawnb.workflow.tracking.track import track
@@ -86,6 +91,18 @@ def test_only_just_the_same_work_is_skipped(small_spider):
     assert skipped()
     (out / "pose.csv").unlink()
     assert not skipped()
+
+
+def test_a_batch_says_of_which_trials_the_gait_is_to_be_analysed_again(small_spider):
+    out = small_spider / "results"
+    tracks = make_tracks(range(5), ["L1"], fps=125.0, views=["top"], space=("x", "y"))
+    write_track_results(add_provenance(tracks, step="track", settings={}, inputs={}), out)
+    read = {"results/tracks.nc": file_checksum(out / "tracks.nc")}
+    with writing_results(out, run="gait", steps=[{"step": "gait", "inputs": read}]) as staging:
+        (staging / "strides.csv").write_text("leg\n")
+    (row,) = batch(small_spider, settings=QUICK).table.itertuples()
+    assert row.status == "tracked"
+    assert "tracks.nc has changed since the gait was analysed; run pawnb gait again" in row.said
 
 
 def test_unfinished_results_are_not_skipped(small_spider):

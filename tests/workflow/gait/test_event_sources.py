@@ -159,15 +159,17 @@ def test_an_empty_name_and_frames_out_of_order_are_refused(tmp_path):
 
 
 @pytest.mark.slow
-def test_a_folder_of_an_analysis_is_not_taken_for_events_scored_by_hand(tmp_path):
-    """Its events know no filter and no drops: what it was made from is named."""
+def test_a_folder_of_an_analysis_is_not_taken_for_events_scored_by_hand(tmp_path, monkeypatch):
+    """Its events know no filter and no drops: what it was made from is named, as one types it."""
     paths = study(tmp_path, column=False)[:1]
     out = tmp_path / "out"
     run_gait(paths, fps=100.0, figures="none", out=out, command=["pawnb", "gait", "x.csv"])
-    made_from = f"{tmp_path.name}/{paths[0].name}"
-    said = rf"holds the results of an analysis \(pawnb gait x\.csv\) .* name {made_from} instead"
-    with pytest.raises(InputError, match=said):
-        read_source(out)
+    for here, made_from in ((tmp_path, paths[0].name), (tmp_path.parent, None), (out, paths[0])):
+        monkeypatch.chdir(here)
+        made_from = made_from or f"{tmp_path.name}/{paths[0].name}"
+        said = rf"results of an analysis \(pawnb gait x\.csv\) .* name {made_from} instead"
+        with pytest.raises(InputError, match=said):
+            read_source(out)
     (out / "provenance.json").unlink()  # as while a run writes there, or in a copy without it
     with pytest.raises(InputError, match="name the trial, the study or the tracks instead"):
         read_source(out)

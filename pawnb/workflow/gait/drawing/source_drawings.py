@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,7 @@ from pawnb import figures
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import KindTemplate, load_template
 from pawnb.core.paws.maghsoudi2019.template_fit import fit_template
+from pawnb.core.paws.offline.quality.assessment import Quality
 from pawnb.errors import InputError
 from pawnb.files import safe_name
 from pawnb.io.native import points3d_table
@@ -20,6 +21,7 @@ from pawnb.kinematics import swing_direction
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.signals import find_runs
 from pawnb.workflow.gait.drawing.drawings import Drawing, make_drawing
+from pawnb.workflow.reviewing.quality import verdict_on
 
 _FEWEST_STRIDES = 1.0
 _SHOWN_STRIDES = 2.0
@@ -45,6 +47,11 @@ class SourceTracks:
     animal: str | None
     trial: str
     legs: dict[str, str]
+
+    @cached_property
+    def quality(self) -> Quality | None:
+        """The verdict on them, where pawnb made them."""
+        return verdict_on(self.tracks)
 
 
 def source_drawings(

@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.core.paws.offline.quality.assessment import Quality
 from pawnb.gait import EventSettings, GaitTables
 from pawnb.schema import Tracks
 from pawnb.workflow.gait.statistics import length_unit
@@ -76,6 +77,7 @@ def methods_paragraphs(
     *,
     step: Mapping[str, Any],
     tracked: Sequence[Tracks] = (),
+    verdicts: Sequence[Quality | None] | None = None,
 ) -> list[str]:
     """Say in prose what an analysis did.
 
@@ -89,13 +91,15 @@ def methods_paragraphs(
         The record of the run.
     tracked : sequence of xarray.Dataset, optional
         The tracks that events were found in.
+    verdicts : sequence of Quality or None, optional
+        The verdict on each, where it is known already.
 
     Returns
     -------
     list of str
         Paragraphs: data, events and filter, statistics, what was dropped, programs and sources.
     """
-    tracking = tracking_sentences(tracked)
+    tracking = tracking_sentences(tracked, verdicts)
     said = [_subjects(tables, further), *([tracking] if tracking else []), _events(tables, step)]
     return [
         *said,

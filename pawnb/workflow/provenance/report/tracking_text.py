@@ -8,21 +8,24 @@ import numpy as np
 
 from pawnb.core.edits.working_time import PAUSE_S
 from pawnb.core.paws.offline.quality.assessment import Quality
-from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.workflow.provenance.results import provenance_steps
-from pawnb.workflow.reviewing.quality import assess_quality
+from pawnb.workflow.reviewing.quality import verdict_on
 
 _DEFAULT_METHOD = "pawnb"
 
 
-def tracking_sentences(tracked: Sequence[Tracks]) -> str:
+def tracking_sentences(
+    tracked: Sequence[Tracks], verdicts: Sequence[Quality | None] | None = None
+) -> str:
     """Say in prose how the points of an analysis were tracked.
 
     Parameters
     ----------
     tracked : sequence of xarray.Dataset
         The tracks of all trials.
+    verdicts : sequence of Quality or None, optional
+        The verdict on each, where it is known already.
 
     Returns
     -------
@@ -37,7 +40,9 @@ def tracking_sentences(tracked: Sequence[Tracks]) -> str:
     rate = f"{rates[0]:g}" if len(rates) == 1 else f"{rates[0]:g} to {rates[-1]:g}"
     by = ", ".join(dict.fromkeys(_program(tracks) for tracks in tracked))
     said = [f"Points were tracked in {frames} frames at {rate} frames a second by {by}"]
-    parts = (_by_hand(tracked), _reviewed(tracked), _residual(tracked), _verdicts(tracked))
+    found = map(verdict_on, tracked) if verdicts is None else verdicts
+    told = _verdicts([quality for quality in found if quality is not None])
+    parts = (_by_hand(tracked), _reviewed(tracked), _residual(tracked), told)
     said += [words for words in parts if words]
     return ". ".join(said) + "."
 
@@ -97,15 +102,8 @@ def _residual(tracked: Sequence[Tracks]) -> str:
     return f"The median reprojection residual is {np.median(every):.2g} px" if len(every) else ""
 
 
-def _verdicts(tracked: Sequence[Tracks]) -> str:
+def _verdicts(found: Sequence[Quality]) -> str:
     """Give the verdicts on tracks that pawnb made."""
-    found: list[Quality] = []
-    for tracks in tracked:
-        if tracks.attrs.get("source_software") == _DEFAULT_METHOD and "image_position" in tracks:
-            try:
-                found.append(assess_quality(tracks))
-            except InputError:
-                continue
     if not found:
         return ""
     right = [quality.expected_right for quality in found]

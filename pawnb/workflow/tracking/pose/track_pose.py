@@ -122,7 +122,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         second = {} if space is None else {"second_view": str(trial.views[1].name)}
         tracks = add_provenance(tracks, **step, **made, **second)
         if out is not None:
-            write_track_results(tracks, out)
+            write_track_results(tracks, out, warn=True)
         if complete:
             kept.remove()
     tell_failed(tracks, complete=complete)
