@@ -26,6 +26,9 @@ from pawnb.gait.strides.stride_table import choose_stride_event
 HAND = "hand"
 """``method`` of events that a person moved or added."""
 
+UNNAMED_TRIAL = "trial"
+"""What the trial of tracks or events is called that are of no trial and name none."""
+
 _SAME_EVENT_S = 1e-6
 
 _SHIFTED = 0.25
@@ -89,6 +92,37 @@ def _nearest(
     if beside_s is not None:
         reach = min(reach, _NOT_BESIDE * abs(time_s - beside_s))
     return k if away[k] < max(_SAME_EVENT_S, reach) else None
+
+
+def check_recording(events: pd.DataFrame, edit: EventEdit, tables: GaitTables) -> None:
+    """Refuse a correction that was made in another recording without a name.
+
+    All such recordings are called alike. Their events are at fractions of frames: one at the very
+    time of the correction (for one that was added, of the event beside it) is the event meant.
+
+    Parameters
+    ----------
+    events : DataFrame
+        Every event, with the corrections before this one.
+    edit : EventEdit
+        The correction.
+    tables : GaitTables
+        The analysis.
+
+    Raises
+    ------
+    InputError
+        If there is no such event.
+    """
+    told: float | None
+    if isinstance(edit, ExcludeStride):
+        kind, told = _start_of(events, edit, tables), edit.start_s
+    else:
+        kind, told = edit.event, edit.beside_s if isinstance(edit, AddEvent) else edit.time_s
+    own = own_events(events, edit)
+    times = own.loc[own["event"] == kind, "time_s"].to_numpy(float)
+    if told is not None and _nearest(times, told, None, anew=False) is None:
+        raise InputError(f"{edit.leg} has no {kind} at just {told:.6f} s in this recording.")
 
 
 def with_neighbour(edit: EventEdit, tables: GaitTables) -> EventEdit:

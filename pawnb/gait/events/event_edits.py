@@ -17,7 +17,9 @@ from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables, rebuild_tables
 from pawnb.gait.events.event_edit_effects import (
     HAND,
+    UNNAMED_TRIAL,
     add_event,
+    check_recording,
     exclude_stride,
     find_event,
     move_event,
@@ -92,6 +94,7 @@ class EventEdits:
         for entry in [] if self._file is None else self._file.entries:
             enter_step(self._past, self._future, entry)
         self.tables, self.left_out = _apply(self._found, self._past, known=len(self._past))
+        self.notes += _say_unnamed(self.left_out)
         if path is not None and tables.found is not None and not _alike(tables, self.tables):
             self.notes.append(
                 f"this analysis has corrections that are not in {Path(path)}, as those in the "
@@ -243,6 +246,7 @@ def replay_event_edits(
             f"corrections of events left out, as they do not fit the events any more: "
             f"{describe_left_out(left_out)}; look at them in the GaitExplorer."
         )
+        notes += _say_unnamed(left_out)
     return dataclasses.replace(corrected, notes=(*tables.notes, *notes))
 
 
@@ -324,6 +328,17 @@ def describe_edit(edit: EventEdit) -> str:
     return f"{done} {_describe_place(edit)} ({edit.animal}, {edit.trial})"
 
 
+def _say_unnamed(left_out: Sequence[EventEdit]) -> list[str]:
+    """Say why corrections of a recording without a name are made at the very same events only."""
+    if not any(edit.trial == UNNAMED_TRIAL for edit in left_out):
+        return []
+    return [
+        "this recording has no name, so only corrections of events at the very same time are made: "
+        "those of another recording without a name would fit by chance. Give each recording a name "
+        "(trial=pawnb.load_trial(...)), or a file of corrections of its own."
+    ]
+
+
 def _describe_place(edit: EventEdit) -> str:
     """Return what a correction is about, its leg and time, in words."""
     what, at_s = (
@@ -349,6 +364,8 @@ def _apply(
     for k, made in enumerate(edits):
         anew, edit = k < known, in_time_of(made, tables.events)
         try:
+            if anew and edit.trial == UNNAMED_TRIAL:
+                check_recording(events, edit, tables)
             if isinstance(edit, ExcludeStride):
                 row = exclude_stride(events, edit, tables, before=excluded, anew=anew)
                 excluded.append(row)

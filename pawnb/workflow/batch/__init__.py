@@ -20,6 +20,7 @@ __all__ = [
     "find_trials",
     "is_tracked",
     "places",
+    "renamed",
     "run",
     "scheduler",
     "worker",

@@ -27,6 +27,7 @@ from pawnb.schema import each_of
 from pawnb.trial import Trial, load_trial
 from pawnb.trial.file import find_trial_files
 from pawnb.workflow.batch.places import Places, Processes, TrialOutcome
+from pawnb.workflow.batch.renamed import as_tracked_before, changed_words
 from pawnb.workflow.batch.scheduler import Scheduler
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.provenance.manifest import MANIFEST, find_fault, known_files
@@ -300,13 +301,15 @@ def tracked_already(
     Returns
     -------
     TrialOutcome or None
-        ``skipped``, with the verdict of before.
+        ``skipped``, with the verdict of before. None where results have to be described anew, too.
 
     Raises
     ------
     InputError
         As for :func:`is_tracked`; if corrections lie there that were made to other tracks.
     """
+    if described_otherwise(trial, out, method=method, settings=settings):
+        return None  # the worker describes the results anew
     if is_tracked(trial, out, method=method, settings=settings):
         return TrialOutcome("skipped", f"tracked already, {out}", read_verdict(out))
     if (out / "edits.jsonl").exists():
@@ -315,6 +318,28 @@ def tracked_already(
             "choose another folder with --out, or move them."
         )
     return None
+
+
+def described_otherwise(
+    trial: Trial, out: Path, *, method: str, settings: Mapping[str, Any] | None
+) -> str:
+    """Say in what the description alone differs from that of the results.
+
+    Parameters
+    ----------
+    trial, out, method, settings
+        As for :func:`is_tracked`.
+
+    Returns
+    -------
+    str
+        Words; empty where nothing differs, or more than the name, animal, group and gait do.
+    """
+    said = changed_words(trial, out)
+    then = as_tracked_before(trial, out) if said else None
+    if then is None or not is_tracked(then, out, method=method, settings=settings):
+        return ""
+    return said
 
 
 def _tracked_before(out: Path, files: set[str]) -> dict[str, Any] | None:

@@ -16,10 +16,11 @@ from typing import Any
 from pawnb.errors import BusyError, InputWarning, PawnbError, QualityWarning
 from pawnb.input_warnings import hearing_input_warnings
 from pawnb.trial import load_trial
-from pawnb.workflow.batch.run import tracked_already
-from pawnb.workflow.provenance.manifest import run_alone
+from pawnb.workflow.batch.renamed import describe_anew
+from pawnb.workflow.batch.run import described_otherwise, tracked_already
+from pawnb.workflow.provenance.manifest import find_fault, known_files, run_alone
 from pawnb.workflow.provenance.results import make_folder
-from pawnb.workflow.reviewing.quality import assess_quality
+from pawnb.workflow.reviewing.quality import assess_quality, read_verdict
 from pawnb.workflow.tracking.track import track
 
 _NO_MEMORY = "the memory was too small for it: let fewer trials run at once"
@@ -47,6 +48,9 @@ def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
                 before = tracked_already(trial, out, **asked)
                 if before is not None:
                     return before._asdict()
+                if changed := described_otherwise(trial, out, **asked):
+                    describe_anew(trial, out)
+                    return _described(out, changed)
                 tracks = track(
                     trial,
                     **asked,
@@ -75,6 +79,14 @@ def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
         "said": "; ".join([done, quality.line(), *notes]),
         "verdict": quality.verdict,
     }
+
+
+def _described(out: Path, changed: str) -> dict[str, str]:
+    """Answer that results were described anew."""
+    old_gait = find_fault(out, run="gait") if known_files(out).files_of("gait") else None
+    said = f"tracked already, {out}; {changed} brought to what the trial says now"
+    told = "; ".join([said, *([old_gait] if old_gait else [])])
+    return {"status": "skipped", "said": told, "verdict": read_verdict(out)}
 
 
 def _read_line() -> bytes:

@@ -128,3 +128,32 @@ def test_a_file_of_before_is_read(tmp_path):
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
     again = replay_event_edits(analyse(wrong=WRONG), path)
     assert strides_of(again)["duty_factor"].to_numpy() == pytest.approx(np.full(6, 0.6))
+
+
+def test_of_recordings_without_names_none_takes_the_corrections_of_another(tmp_path):
+    """Both were 'individual_0, trial': events of one were deleted in the other without a word."""
+
+    def unnamed(shift_s):
+        events = analyse(shift_s=shift_s).events
+        return gait.analyse_events(events[["leg", "event", "frame", "time_s"]])
+
+    one, other = unnamed(0.0), unnamed(0.0137)
+    own = {"animal": "animal", "trial": "trial", "leg": "R1"}
+    path = edits(
+        tmp_path, one, DeleteEvent(**own, event="AEP", time_s=0.4),
+        MoveEvent(**own, event="PEP", time_s=0.72, to_s=0.73),
+        AddEvent(**own, event="AEP", time_s=0.41),
+        ExcludeStride(**own, start_s=0.8, reason="slips"),
+    )  # fmt: skip
+    again = EventEdits(one, path)
+    assert not again.left_out
+    assert not again.notes
+    assert len(again.tables.strides) == len(one.strides) - 1
+    log = EventEdits(other, path)
+    assert len(log.left_out) == 4
+    assert log.tables.events.equals(other.events)
+    assert "this recording has no name" in log.notes[0]
+    replayed = replay_event_edits(other, path)
+    assert replayed.events.equals(other.events)
+    assert any("this recording has no name" in note for note in replayed.notes)
+    assert any("left out, as they do not fit" in note for note in replayed.notes)
