@@ -32,6 +32,19 @@ def test_a_foot_that_is_tracked_as_two_is_said(feet):
     assert "0.8 s without a break" in said or "0.81 s" in said or "0.82 s" in said
 
 
+@pytest.mark.parametrize("jitter_px", [0.0, 1.0, 2.0])
+def test_two_labels_of_one_network_on_one_foot_are_said_each_with_a_jitter_of_its_own(jitter_px):
+    """With 1 px where feet move by 80 they were never so near for a whole stride."""
+    rng = np.random.default_rng(4)
+    feet = walking(rng)
+    feet.positions[:, :, 3] = feet.positions[:, :, 1] + rng.normal(0.0, jitter_px, (N, 2))
+    feet.positions[::7, :, 3] = np.nan
+    (said,) = say_on_one_place(feet, fs_hz=FS)
+    share = int(said.split("one place in ")[1].split("%")[0])
+    assert 90 <= share <= 100
+    assert said.startswith("HR and HL")
+
+
 def test_feet_that_pass_each_other_stand_or_are_missing_are_not_said(feet):
     assert say_on_one_place(feet, fs_hz=FS) == []
     # for less than a stride of 25 frames
