@@ -272,4 +272,6 @@ def _draw_differences(ax: Axes, table: pd.DataFrame, groups: list[str]) -> None:
             said.append(f"{name} < 0.001" if p < 0.001 else f"{name} {p:.3f}")
         words = "\n".join(wrap_name(line, _letters(groups)) for line in said)
         ax.annotate(words, (x, value), xytext=(6.0, 0.0), textcoords="offset points",
-                    va="center", fontsize=small_pt())  # fmt: skip
+                    va="center", fontsize=small_pt(),
+                    bbox={"facecolor": ax.get_facecolor(), "edgecolor": "none", "pad": 0.6},
+                    )  # fmt: skip

@@ -171,3 +171,19 @@ def test_words_of_many_conditions_do_not_run_into_each_other():
     # once, as all are against the same one; and p of several comparisons is adjusted
     assert [t.get_text().count("less") for t in below.texts] == [1, 0, 0, 0]
     assert all("adj. p" in t.get_text().replace("\n", " ") for t in below.texts)
+
+
+def test_words_beside_a_difference_near_zero_are_not_struck_through_by_the_zero_line():
+    """They are centred on the difference: p stood on the dashed line of no difference."""
+    rows = strides()
+    rows.loc[rows["group"] == "lesion", "length"] -= 3.3
+    below = plot_estimation(build_estimation_table(rows, "length")).figure.axes[1]
+    (words,) = below.texts[:1]
+    below.figure.draw_without_rendering()
+    patch = words.get_bbox_patch()
+    zero = below.transData.transform((0.0, 0.0))[1]
+    box = patch.get_window_extent()
+    assert box.y0 < zero < box.y1
+    assert patch.get_facecolor() == mpl.colors.to_rgba(below.get_facecolor())
+    (line,) = [one for one in below.lines if np.allclose(one.get_ydata(), 0.0)]
+    assert words.get_zorder() > line.get_zorder()
