@@ -30,6 +30,7 @@ from pawnb.schema import Tracks, check_fps
 
 _EXPECTED = "a .kva of Kinovea, or its trajectories as .txt or .csv"
 _TIMECODE = re.compile(r"(\d+):(\d+):(\d+)[:.](\d+)")
+_SUFFIX = re.compile(r"[\d.,-]*\d\s*(px|pixels?|[mcd]?m|in|ft|%)(?=\s|$)")
 _HALF = 0.5
 """Kinovea counts pixels from the corner of the picture: its default origin is half its size
 (CalibrationHelper.cs)."""
@@ -183,6 +184,7 @@ def _of_text(text: str, where: str) -> dict[str, FloatArray]:
                 blocks.append(("", []))
             fresh = False
             here = f"{where}: line {i}"
+            _tell_suffix(line, here)
             blocks[-1][1].append(
                 [_time(words[0], here), *(to_number(w, where=here, mark=",") for w in words[1:])]
             )
@@ -203,6 +205,16 @@ def _of_text(text: str, where: str) -> dict[str, FloatArray]:
     return found
 
 
+def _tell_suffix(line: str, where: str) -> None:
+    """Refuse a row whose lengths have their unit behind them."""
+    if (unit := _SUFFIX.search(line)) is not None:
+        raise InputError(
+            f"{where}: {unit[0].strip()!r}; expected time, x and y as bare numbers: take "
+            f"{unit[1]!r} away from all of them, and name the file in a trial.toml of kind "
+            f"'tracks' with the unit below [calibration], where it is not px."
+        )
+
+
 def _time(word: str, where: str) -> float:
     """Return a time: a number, or hours:minutes:seconds:parts of older files in s."""
     if (code := _TIMECODE.fullmatch(word)) is None:
@@ -214,7 +226,11 @@ def _time(word: str, where: str) -> float:
 def _of_table(path: str | Path, where: str) -> dict[str, FloatArray]:
     """Return time, x, y of each point of the csv: a column a coordinate."""
     cells = read_cells(path, ("Time",))
-    times = read_numbers(cells, "Time", where=where)
+    times = (
+        np.array([_time(cell, where) for cell in cells["Time"]])
+        if cells["Time"].str.fullmatch(_TIMECODE.pattern).all()
+        else read_numbers(cells, "Time", where=where)
+    )
     found: dict[str, FloatArray] = {}
     for column in map(str, cells):
         if not column.endswith("/X"):

@@ -214,3 +214,21 @@ def test_a_damaged_text_is_refused(tmp_path, row, message):
     path.write_text(f"#Kinovea Trajectory data export\n#T X Y\n\n# FR\n{row}\n")
     with pytest.raises(InputError, match=re.compile(message)):
         read_kinovea(path, fps=200.0, unit="cm")
+
+
+@pytest.mark.parametrize("cell", ["100,25 px", "100,25px", "3.5 cm"])
+def test_lengths_with_their_unit_behind_them_are_refused_with_what_to_do(tmp_path, cell):
+    path = tmp_path / "clip.txt"
+    path.write_text(f"#Kinovea Trajectory data export\n#T X Y\n\n# FR\n0 {cell} -3\n")
+    unit = cell[-2:]
+    with pytest.raises(InputError, match=rf"line 5: '{cell}'; .* bare numbers: take '{unit}' away"):
+        read_kinovea(path, fps=200.0)
+
+
+def test_time_codes_of_a_csv_are_read_as_those_of_the_text(tmp_path):
+    """Hundredths of seconds at 25 frames a second: 0, 4, 8 ..."""
+    rows = [f"0:00:01:{4 * i:02d},{10 + i},-5" for i in range(5)]
+    (tmp_path / "clip.csv").write_text("\n".join(["Time,FR/0/X,FR/0/Y", *rows]) + "\n")
+    tracks = read_kinovea(tmp_path / "clip.csv", fps=25.0, unit="mm")
+    assert np.diff(tracks["frame"].to_numpy()).tolist() == [1, 1, 1, 1]
+    assert tracks["position"].to_numpy()[:, 0].ravel().tolist() == [10.0, 11.0, 12.0, 13.0, 14.0]
