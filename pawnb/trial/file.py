@@ -44,6 +44,26 @@ def find_trial_files(folder: str | Path) -> list[Path]:
     return sorted(set(found).difference(hidden))
 
 
+def find_too_deep(folder: str | Path) -> list[Path]:
+    """Return folders of trials that lie one folder deeper than :func:`find_trial_files` looks.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder.
+
+    Returns
+    -------
+    list of Path
+        The folders in the order of their names; empty where there is none.
+    """
+    folder = Path(folder)
+    found = folder.glob("/".join([*["*"] * (_DEEPEST + 1), "trial.toml"]))
+    return sorted(
+        file.parent for file in found if all(p[0] != "." for p in file.relative_to(folder).parts)
+    )
+
+
 def load_trial(path: str | Path) -> Trial:
     """Read ``trial.toml``.
 

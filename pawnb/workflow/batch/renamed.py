@@ -88,8 +88,8 @@ def describe_anew(trial: Trial, out: Path) -> None:
     sizes = json.loads(tracks.attrs["pictures_px"]) if "pictures_px" in tracks.attrs else None
     tracks = describe_trial(tracks, trial, sizes=sizes)
     # in their order of before: the same bytes as of tracking anew
-    names = {name: tracks[name].variable for name in tracks.coords}
-    names |= {"individual": ("individual", [trial.animal.id])}
+    names: dict[Any, Any] = {name: tracks[name].variable for name in tracks.coords}
+    names["individual"] = ("individual", [trial.animal.id])
     tracks = tracks.drop_vars(list(names)).assign_coords(names)
     steps = provenance_steps(tracks)
     last = max(k for k, step in enumerate(steps) if step["step"] == "track")

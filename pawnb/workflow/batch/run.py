@@ -21,11 +21,12 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws.tracker import DEFAULT
-from pawnb.errors import InputError, PawnbError
+from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import child_folder
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema import each_of
 from pawnb.trial import Trial, load_trial
-from pawnb.trial.file import find_trial_files
+from pawnb.trial.file import find_too_deep, find_trial_files
 from pawnb.workflow.batch.places import Places, Processes, TrialOutcome
 from pawnb.workflow.batch.renamed import as_tracked_before, changed_words
 from pawnb.workflow.batch.scheduler import Scheduler
@@ -229,6 +230,11 @@ def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:
     list of Path
         Each once, in the order given.
 
+    Warns
+    -----
+    InputWarning
+        If trials lie deeper in a folder than is looked.
+
     Raises
     ------
     InputError
@@ -240,6 +246,8 @@ def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:
         for path in map(Path, each_of(trials, what="trials")):
             is_trial = not path.is_dir() or (path / "trial.toml").exists()
             inner = [] if is_trial else find_trial_files(path)
+            if path.is_dir() and not is_trial and (deeper := find_too_deep(path)):
+                warn_of_input(_say_deeper(path, deeper), InputWarning, stacklevel=4)
             yield from [toml.parent for toml in inner] or [path]
 
     for path in each():
@@ -248,6 +256,16 @@ def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:
     if not found:
         raise InputError("no trials; name trial.toml files or the folders that hold them.")
     return list(found.values())
+
+
+def _say_deeper(path: Path, folders: Sequence[Path]) -> str:
+    """Say that trials lie too deep in a folder to be found."""
+    n = len(folders)
+    what = "a trial lies" if n == 1 else f"{n} trials lie"
+    return (
+        f"{path}: {what} too deep in it and {'is' if n == 1 else 'are'} left out, such as "
+        f"{folders[0]}; name {folders[0].parent} and the like, too."
+    )
 
 
 def is_tracked(

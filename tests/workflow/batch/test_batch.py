@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pawnb.cli import main
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.files import locked
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, add_provenance, make_tracks
@@ -292,6 +292,16 @@ def test_a_folder_an_animal_is_looked_into_as_well(tmp_path):
     found = [path.relative_to(tmp_path).as_posix() for path in find_trials(tmp_path)]
     assert found == ["lesion/m08/day1", "m07/day 1", "m07/day2", "pilot"]
     assert find_trials(tmp_path / "pilot") == [tmp_path / "pilot"]
+
+
+def test_trials_that_lie_too_deep_are_named(tmp_path):
+    """They were left out without a word beside others that were found."""
+    for name in ("site/group/m1/day1", "m2"):
+        (tmp_path / name).mkdir(parents=True)
+        (tmp_path / name / "trial.toml").touch()
+    with pytest.warns(InputWarning, match=r"a trial lies too deep in it and is left out, such as"):
+        assert find_trials(tmp_path) == [tmp_path / "m2"]
+    assert find_trials(tmp_path / "site") == [tmp_path / "site" / "group" / "m1" / "day1"]
 
 
 def test_the_command_ends_with_status_2_and_a_sentence_each(trials, capsys):
