@@ -51,6 +51,7 @@ def test_mean_path_of_complete_feet_is_their_mean():
     assert np.isnan(mean_path(np.full((5, 2, 3), np.nan))).all()
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.floats(-180, 180), st.floats(-1e3, 1e3))
 def test_body_frame_turns_with_the_body(angle, place):

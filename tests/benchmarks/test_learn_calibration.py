@@ -43,6 +43,7 @@ def test_a_sign_never_counts_against_its_meaning():
     assert by_sign["broken"] < -0.3
 
 
+@pytest.mark.slow
 def test_a_clip_is_judged_by_weights_of_the_others(capsys):
     """In one clip labels that flow reaches are right, in the other wrong."""
     import learn_calibration
@@ -74,6 +75,7 @@ def test_what_left_out_clicks_say_goes_to_marks_of_their_clip_and_point():
     assert (said[[1, 3, 4, 5]] == 0).all()
 
 
+@pytest.mark.slow
 def test_clips_of_one_film_are_not_judged_by_each_other(capsys):
     """In "a", two clips of it, labels that flow reaches are right; in "b" they are wrong."""
     import learn_calibration

@@ -62,6 +62,7 @@ def test_empty_tables_are_refused():
         plot_pattern_distances(DISTANCES.iloc[:0])
 
 
+@pytest.mark.slow
 def test_long_names_leave_room_for_the_bars_and_many_animals_fit_on_a_page():
     # names of recordings took nine tenths of the width
     long = SHARES.replace({"animal": {"a": "Carcinus_maenas_trial_0_long_name_of_a_recording"}})

@@ -154,6 +154,7 @@ def test_conditions_that_share_no_animal_have_no_difference():
     assert below.get_xticklabels()[2].get_text() == "late\n0 of 1\nanimal"
 
 
+@pytest.mark.slow
 def test_words_of_many_conditions_do_not_run_into_each_other():
     base = np.arange(5.0)
     rows = [

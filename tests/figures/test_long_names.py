@@ -112,6 +112,7 @@ def test_a_legend_covers_none_of_many_animals(strides):
     assert not legend.get_window_extent().overlaps(ax.get_window_extent())
 
 
+@pytest.mark.slow
 def test_curves_of_groups_with_long_names(strides):
     percent = np.arange(0.0, 101.0, 5.0)
     rows = [

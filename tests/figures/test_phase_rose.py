@@ -54,6 +54,7 @@ def test_counts_by_hand():
     np.testing.assert_allclose(table["mean"], np.angle(vector) / 2 / np.pi % 1)
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.lists(st.floats(0, 1, exclude_max=True), min_size=1, max_size=50), st.integers(4, 72))
 def test_every_phase_is_counted_once(values, bins):

@@ -90,6 +90,7 @@ def test_a_thread_may_enter_again_and_another_may_not(tmp_path):
     assert said[1] == "entered"
 
 
+@pytest.mark.slow
 def test_processes_take_turns(tmp_path):
     # each adds one to a number 100 times; without a lock some additions are lost
     code = """

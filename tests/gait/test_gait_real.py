@@ -35,6 +35,7 @@ def fly(real_data):
     return tracks_of(claws, 100.0, "mm"), contact
 
 
+@pytest.mark.slow
 def test_contact_of_a_real_fly(fly):
     tracks, contact = fly
     events = analyse(tracks).events
@@ -54,6 +55,7 @@ def test_contact_of_a_real_fly(fly):
             assert np.median(np.abs(error)) < 1.3
 
 
+@pytest.mark.slow
 def test_stride_frequency_and_phases_of_a_real_fly(fly):
     # lift-offs scored by hand give RF relative to LF 0.544 (r 0.94), RH to LH 0.513 (r 0.80);
     # see circular-worked-examples; AEP is another event, so the means need only be near

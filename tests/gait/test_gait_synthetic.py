@@ -97,6 +97,7 @@ def stopping_dead(*, fps, frequency_hz, duty, speed=300.0, seconds=2.0):
     return tracks
 
 
+@pytest.mark.slow
 def test_a_foot_that_stops_dead_is_rounded_off_by_frames_and_low_pass():
     # what is left of the duty factors' errors is known, and where it comes from: it goes away
     # with frames and cut-off, so it is no fault of the way AEP and TD are defined

@@ -118,6 +118,7 @@ def test_a_damaged_file_is_read_or_one_sentence(tmp_path, kind):
     assert all(path.name in sentence and "\n" not in sentence for sentence in refused)
 
 
+@pytest.mark.slow
 def test_a_damaged_record_of_ours_is_read_or_one_sentence(tmp_path):
     tracks = make_tracks(range(8), POINTS, fps=FPS, views=["cam1"])
     whole = write_tracks(tracks, tmp_path / "tracks.nc").read_bytes()

@@ -204,6 +204,7 @@ for page in range(40):
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
 def test_after_a_full_disk_edits_go_on(tmp_path):
     path = tmp_path / "notes.jsonl"

@@ -130,6 +130,7 @@ def test_a_rate_that_is_said_counts_the_frames_also_where_another_one_is_right(t
     np.testing.assert_allclose(tracks["position"].to_numpy()[:, :, 0, 0], PLACE)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")  # of the libraries
 @pytest.mark.parametrize(("animals", "told"), [(0, None), (1, None), (2, None), (1, 250.0)])
 def test_predictions_that_sleap_io_wrote(tmp_path, animals, told):

@@ -281,6 +281,7 @@ def test_markers_of_xmalab_keep_their_frames(tmp_path):
     np.testing.assert_array_equal(x, [1.25, np.nan, 1.5])
 
 
+@pytest.mark.slow
 def test_offsets_and_residuals_of_dltdv_travel_with_the_points(real_data, tmp_path):
     folder = real_data("salticid-4cam-dlt")
     space = load_tracks(folder / "1864_1x_xyzpts.csv", fps=FPS)

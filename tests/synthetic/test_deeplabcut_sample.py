@@ -12,6 +12,7 @@ from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.synthetic.deeplabcut_sample import BELT_PX_S, FPS, write_deeplabcut_sample
 
 
+@pytest.mark.slow
 def test_truth_is_recovered_from_the_csv(tmp_path):
     paths = write_deeplabcut_sample(tmp_path, animals=2)
     truth = pd.read_csv(tmp_path / "truth.csv").set_index("animal")

@@ -72,6 +72,7 @@ def test_touch_down_and_lift_off_alternate_and_duty_factors_are_those_of_a_mouse
         assert duty.max() <= 0.8 + 1e-9
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(scenes)
 # one of its swings ends behind where it began: its turning points are no largest and smallest value

@@ -53,6 +53,7 @@ def test_the_fraction_is_what_a_count_of_samples_gives():
                 assert claimed[leg] == pytest.approx(np.count_nonzero(part == PAW[leg]) / alone)
 
 
+@pytest.mark.slow
 def test_marks_travel_with_the_belt():
     settings, cameras, mouse = make_scene(**QUIET, belt_marks=3.0)
     camera = cameras[0]
@@ -82,6 +83,7 @@ def test_marks_travel_with_the_belt():
     assert moved > wrong_way + 0.3
 
 
+@pytest.mark.slow
 def test_noise_has_the_variance_that_was_asked_for():
     settings, cameras, mouse = make_scene(read_noise=3.0, shot_noise=8.0, belt_marks=0.0)
     renderer = ViewRenderer(cameras[0], settings, 0)
@@ -115,6 +117,7 @@ def test_the_animal_darkens_the_belt_under_it_and_not_beside_it():
     assert shadow.grid.max() < 0.9
 
 
+@pytest.mark.slow
 def test_light_and_colours_are_those_of_the_settings():
     def picture(**changes):
         settings, cameras, mouse = make_scene(**QUIET, belt_marks=0.0, **changes)

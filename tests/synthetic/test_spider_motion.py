@@ -21,6 +21,7 @@ def plan(difficulty, seed, duration_s=DURATION_S):
     return plan_motion(scene, draw_individual(scene), duration_s=duration_s)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(difficulties, st.integers(0, 10_000))
 def test_a_standing_foot_does_not_move_and_a_swing_joins_without_a_jerk(difficulty, seed):
@@ -57,6 +58,7 @@ def test_an_animal_beside_the_wall_puts_its_feet_down_before_it():
     assert 48.0 < max(places.max() for places in outmost) < 50.0
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10_000), st.floats(0, DURATION_S), st.floats(-40, 40), st.floats(-40, 40))
 def test_body_frame_there_and_back(seed, t, x, y):
@@ -70,6 +72,7 @@ def test_body_frame_there_and_back(seed, t, x, y):
     np.testing.assert_allclose(ahead, [np.cos(turn), np.sin(turn)], atol=1e-9)
 
 
+@pytest.mark.slow
 def test_gait_numbers_are_those_of_the_thesis():
     runs = [plan(d, seed) for d in ("easy", "normal", "hard") for seed in range(12)]
     # §4.2.2: Fig. 4.5 shows 5.1 to 8.4 Hz; duty factor "generally higher than 0.5", Table 4.5

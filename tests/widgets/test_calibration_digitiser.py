@@ -163,6 +163,7 @@ def test_a_lens_that_bends_is_found(opened):
         assert fit.camera.matrix[0, 0] == pytest.approx(scene.FOCAL, rel=0.01)
 
 
+@pytest.mark.slow
 def test_a_scale_is_measured_and_written_into_its_trial(opened):
     open_it, folder = opened
     (folder / "trial.toml").write_text(

@@ -45,6 +45,7 @@ def test_proposed_paws_are_taken_at_a_press(small_trial, opened):
     assert np.hypot(both["u"] - both["u_true"], both["v"] - both["v_true"]).max() < 20 / 5
 
 
+@pytest.mark.slow
 def test_landmarks_are_left_to_be_clicked(small_trial, opened):
     trial = load_trial(small_trial)
     first, *others = trial.views

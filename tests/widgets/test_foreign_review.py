@@ -55,6 +55,7 @@ def do(widget, action, point, stretch, **more):
     assert widget.alarm == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FILES)
 def test_what_was_corrected_is_written_back_and_nothing_else(name, videos, odd_places, tmp_path):
     write, program, n_views = FILES[name]

@@ -66,6 +66,7 @@ def test_phases_of_the_picked_stride_are_those_of_either_leg(tables):
     assert session.picked_phases() == [pytest.approx(0.1 / 0.22)]
 
 
+@pytest.mark.slow
 def test_moving_deleting_excluding_and_undoing(tables, tmp_path):
     path = tmp_path / "event_edits.jsonl"
     session = GaitSession(tables, path)
@@ -233,6 +234,7 @@ def test_pointer_and_buttons_reach_the_plots(spider):
     pd.testing.assert_frame_equal(explorer.tables.strides, spider.strides)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_another_trial_offers_its_legs(tables):
     from pawnb.widgets.gait_explorer import GaitExplorer
@@ -342,6 +344,7 @@ def test_a_stride_that_does_not_count_says_why(tables):
     assert session.text() == said
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_endless_names_of_legs_stay_in_the_picture(spider):
     """Hebrew is left out: its letters are in no font of a bare machine."""

@@ -109,6 +109,7 @@ def steps(name, leg):
     return gait.analyse_events(pd.DataFrame(events))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["$\\bad{x$", "<img src=x>" * 40])
 def test_names_in_plots_are_no_mathematics(name):
     assert picture_of(widgets.GaitExplorer(steps(name, name))).std() > 5

@@ -144,6 +144,7 @@ def test_a_pose_that_was_corrected_is_doubtful_no_more(reviewer):
     assert len(reviewer._suspects) == len(reviewer.session.suspects())
 
 
+@pytest.mark.slow
 def test_a_page_without_python_has_the_animal_of_each_frame(reviewer, tmp_path):
     text = reviewer.export_page(tmp_path / "page.html", frames=[12, 13]).read_text()
     data = json.loads(text.split('id="pawnb-data">', 1)[1].split("</", 1)[0])
@@ -160,6 +161,7 @@ def test_the_plain_picture_has_the_legs_of_the_animal(reviewer, monkeypatch):
     assert reviewer.plain_picture() != with_legs
 
 
+@pytest.mark.slow
 def test_tracks_of_poses_are_observed_and_set(reviewer, tracks):
     heard = []
     reviewer.observe(lambda change: heard.append(change["new"]), "tracks")
@@ -181,6 +183,7 @@ def stretch(widget, action, point, first, last, **more):
     widget.edit("stretch", message)
 
 
+@pytest.mark.slow
 def test_legs_are_exchanged_interpolated_and_hidden_over_a_stretch(reviewer, tracks):
     was = {leg: [tip(reviewer, f, leg) for f in range(10, 24)] for leg in ("L2", "R2", "L3")}
     stretch(reviewer, "swap", "L2", 14, 16, other="R2")

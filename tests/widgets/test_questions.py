@@ -98,6 +98,7 @@ def test_each_question_has_its_answers_and_one_key_each(opened):
     assert widget.sheet == []
 
 
+@pytest.mark.slow
 def test_answers_are_corrections_and_are_written_with_their_time(opened, tmp_path, monkeypatch):
     clock = iter([100.0, 103.5, 103.5, 200.0, 200.0])
     monkeypatch.setattr("pawnb.widgets.questions.monotonic", lambda: next(clock))

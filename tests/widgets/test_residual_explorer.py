@@ -21,6 +21,7 @@ SIGNALS = pd.DataFrame(
 )
 
 
+@pytest.mark.slow
 def test_session_begins_at_the_pooled_choice_and_filters_with_the_hand():
     session = ResidualSession(SIGNALS, fs_hz=FS)
     pooled = analyse_residuals(SIGNALS.to_numpy(), fs_hz=FS)
@@ -70,6 +71,7 @@ def test_cutoffs_stay_within_what_the_filter_can_do():
         session.show("c")
 
 
+@pytest.mark.slow
 def test_a_foot_that_is_hardly_seen_can_be_shown_beside_the_others():
     gaps = SIGNALS["a"].where(np.arange(400) % 15 > 0)
     session = ResidualSession(pd.DataFrame({"FL": gaps, "FR": SIGNALS["a"]}), fs_hz=FS)
@@ -82,6 +84,7 @@ def test_a_foot_that_is_hardly_seen_can_be_shown_beside_the_others():
         ResidualSession(gaps, fs_hz=FS)
 
 
+@pytest.mark.slow
 def test_a_cutoff_that_one_noisy_foot_sets_is_said_where_it_is_taken():
     noisy = SIGNALS["b"] + 8.0 * np.random.default_rng(5).standard_normal(400)
     session = ResidualSession(pd.DataFrame({"FR": SIGNALS["a"], "FL": noisy}), fs_hz=FS)
@@ -97,6 +100,7 @@ class Mouse:
         self.inaxes, self.xdata = ax, x
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")  # ipympl
 def test_slider_line_and_curves_go_together():
     from pawnb.widgets.residual_explorer import ResidualExplorer
@@ -141,6 +145,7 @@ def test_slider_line_and_curves_go_together():
     assert "b: cut-off" in explorer._told.value
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("given", "names"),
     [
@@ -167,6 +172,7 @@ def test_signals_that_are_none_are_refused_in_a_sentence():
         ResidualSession(np.zeros((4, 2, 2)), fs_hz=FS)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
 def test_the_cutoff_is_a_trait_that_is_checked_observed_and_followed():
     explorer = ResidualExplorer(SIGNALS["a"].tolist(), fs_hz=FS)
@@ -186,6 +192,7 @@ def test_the_cutoff_is_a_trait_that_is_checked_observed_and_followed():
     explorer.close()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
 def test_a_foot_without_a_curve_is_drawn_without_one():
     explorer = ResidualExplorer(

@@ -94,6 +94,7 @@ def test_clicks_of_the_scale_that_cannot_be():
     assert clicks.ends == {"end 1": (1.0, 1.0), "end 2": (90.0, 1.0)}
 
 
+@pytest.mark.slow
 def test_a_rough_pose_is_fitted_and_can_be_undone(poser):
     at = {"frame": scene.EMPTY, "whole": True}
     u, v = scene.XY

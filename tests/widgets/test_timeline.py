@@ -60,6 +60,7 @@ def test_left_and_right_are_offered_first(review):
     assert widget.lanes[0]["partners"] == ["HR"]
 
 
+@pytest.mark.slow
 def test_each_action_is_a_line_of_its_stretch(review):
     widget, _ = review
     for action, more, expected in (

@@ -191,6 +191,7 @@ def put(widget, frame, **more):
     widget._receive(widget, message, [])
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows renames no folder whose films are open")
 def test_what_is_corrected_and_saved_stays_with_its_trial(tmp_path, monkeypatch):
     """The notebook goes to another folder; then the trial's folder is renamed."""
@@ -213,6 +214,7 @@ def test_what_is_corrected_and_saved_stays_with_its_trial(tmp_path, monkeypatch)
     widget.close()
 
 
+@pytest.mark.slow
 def test_a_second_window_saves_no_tracks_that_lack_what_the_first_corrected(trial_file, tmp_path):
     options = {"edits": tmp_path / "edits.jsonl"}
     first, second = (TrackReviewer(trial_file, scene.true_tracks(), **options) for _ in range(2))
@@ -232,6 +234,7 @@ def test_a_second_window_saves_no_tracks_that_lack_what_the_first_corrected(tria
     second.close()
 
 
+@pytest.mark.slow
 def test_the_minutes_of_a_review_are_counted_shown_and_saved(trial_file, tmp_path):
     clock = [0.0]
     widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
@@ -322,6 +325,7 @@ def test_tracks_that_were_made_meanwhile_are_not_written_over(trial_file, tmp_pa
     widget.close()
 
 
+@pytest.mark.slow
 def test_results_that_were_changed_or_cut_off_are_told_when_a_review_opens(trial_file, tmp_path):
     write_track_results(scene.true_tracks(), tmp_path)
 

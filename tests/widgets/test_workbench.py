@@ -173,6 +173,7 @@ def test_the_list_follows_what_is_clicked_and_saved(described, opened):
     bench.tool.tool._analysts.submit(int).result()  # its filters of warnings end with this test
 
 
+@pytest.mark.slow
 def test_the_frame_to_click_is_chosen_anew_when_the_trial_was_tracked_again(
     described, opened, monkeypatch
 ):
@@ -343,6 +344,7 @@ def test_a_list_that_is_tracked_says_which_trial_it_is_at(described, monkeypatch
     assert told == [(3, 40, "small (1 of 1), decoding")]
 
 
+@pytest.mark.slow
 def test_the_list_of_a_batch_changes_as_each_trial_is_done(described, monkeypatch, opened):
     shutil.copytree(described, described.parent / "m2")
     bench = opened(described.parent)

@@ -38,6 +38,7 @@ def test_what_was_changed_since_tracking_stands_above_the_review(tracked, opened
     assert "offset of cam2 was changed from 0 to 3" in first
 
 
+@pytest.mark.slow
 def test_the_report_is_written_from_the_results(tracked, opened):
     bench = opened(tracked)
     bench.session._reviewed.add(tracked)

@@ -102,6 +102,7 @@ def test_a_view_of_other_instants_is_named():
         calibrate_by_boards(sightings(change=late))
 
 
+@pytest.mark.slow
 def test_what_does_not_determine_the_cameras_is_told():
     def rare(uv):
         uv[1, 2:] = np.nan

@@ -29,6 +29,7 @@ def memory_of(values):
     return base.obj if isinstance(base, memoryview) else base
 
 
+@pytest.mark.slow
 def test_a_copy_is_alike_and_shares_nothing():
     tracks = long_tracks()
     new = copy_tracks(tracks)

@@ -95,6 +95,7 @@ def test_corrections_in_frames_that_follow_each_other_are_one(scene):
     assert error(again, scene, "HR")[14:].max() < 7.0
 
 
+@pytest.mark.slow
 def test_the_initial_colour_is_that_of_the_start_unless_it_is_learnt_anew(make_scene):
     """From frame 12 on the paw is blue, and as pink a disc lies near its way."""
     scene = make_scene(("FR",), n_frames=40)

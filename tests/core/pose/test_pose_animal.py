@@ -83,6 +83,7 @@ def test_directions_and_leg_angle_of_a_straight_leg(dolomedes):
 angle = st.floats(-170, 170)
 
 
+@pytest.mark.slow
 @given(heading=st.floats(-180, 180), turn=st.lists(angle, min_size=40, max_size=40))
 def test_pose_from_its_joints_is_the_pose(heading, turn):
     animal = load_species("dolomedes")

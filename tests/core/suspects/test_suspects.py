@@ -112,6 +112,7 @@ def test_what_was_placed_by_hand_is_not_doubted():
     assert not ((table["point"] == "FR") & table["frame"].between(117, 123)).any()
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 10_000))
 def test_frame_numbers_need_not_begin_with_0(first):

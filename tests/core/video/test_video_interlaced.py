@@ -48,6 +48,7 @@ def test_what_does_not_move_does_not_look_interlaced(tmp_path):
         assert not looks_interlaced(view, start=0, stop=6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("clip", "file"), [("horse_walk", "side.mp4"), ("dog_indoors", "side.avi")]
 )

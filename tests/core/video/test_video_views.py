@@ -50,6 +50,7 @@ def clips(tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_a_view_is_debayered_straightened_cropped_and_mirrored_in_that_order(clips, data):

@@ -73,6 +73,7 @@ def test_known_walk_with_noise(duty, treadmill):
     assert method == f"fore-aft position ({'laboratory' if treadmill else 'mean of the feet'})"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("duty", DUTIES)
 def test_ground_and_treadmill_agree(duty):
     walk = Walk(duty=duty)
@@ -92,6 +93,7 @@ def test_ground_and_treadmill_agree(duty):
     np.testing.assert_allclose((difference + 0.5) % 1 - 0.5, 0.0, atol=0.01)
 
 
+@pytest.mark.slow
 def test_contact_lies_between_the_extremes_and_the_truth():
     # a minimum-jerk foot creeps in and out of contact; see find_contacts for what is left
     walk = Walk(duty=0.6)
@@ -239,6 +241,7 @@ def test_hiding_half_of_a_swing_gives_no_event_there():
     assert len(tables.strides.query("leg == 'FL'")) >= 7
 
 
+@pytest.mark.slow
 def test_jumps_of_the_tracker_are_left_out_and_reported():
     tracks = Walk().tracks(noise=0.2)
     tracks["position"].data[[100, 333, 334, 500], :, 2, 0] += 40.0
@@ -553,6 +556,7 @@ def test_a_trial_of_another_frame_rate_than_its_tracks_is_said():
         analyse(tracks, trial=make_trial(fps=24.0))
 
 
+@pytest.mark.slow
 def test_a_belt_speed_in_another_unit_than_px_is_told_where_it_is_not_used():
     tracks = Walk().tracks(treadmill=True)
     tracks.attrs["units"] = "px"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
+import pytest
 import xarray as xr
 from walking import Walk
 
@@ -67,6 +68,7 @@ def test_feet_that_stand_still_say_why_none_of_their_turns_count():
     assert "frames is shorter than" in said
 
 
+@pytest.mark.slow
 def test_an_animal_that_was_never_seen_does_not_take_the_others_with_it():
     tracks = Walk().tracks(treadmill=True)
     alone = analyse(tracks, belt_speed=300.0)
@@ -83,6 +85,7 @@ def test_an_animal_that_was_never_seen_does_not_take_the_others_with_it():
     assert set(own["leg"]) == {"FR", "HR", "FL", "HL"}
 
 
+@pytest.mark.slow
 def test_what_is_shown_of_an_analysis_names_the_legs_without_a_stride():
     tracks = Walk().tracks(treadmill=True)
     assert "no stride" not in repr(analyse(tracks, belt_speed=300.0))

@@ -31,6 +31,7 @@ def test_legs_that_do_not_step_equally_often_are_named():
         assert not any("strides a second" in n for n in analyse_events(scored(even)).notes)
 
 
+@pytest.mark.slow
 def test_a_real_foot_beside_one_that_is_none_is_said_of_tracks():
     feet = Walk().tracks(noise=0.2)
     odd = Walk(period=0.4, speed=225.0).tracks(noise=0.2)
@@ -75,6 +76,7 @@ def test_swings_of_too_few_frames_to_tell_a_duty_factor_are_said(fps, duty, few)
         assert away < told + 0.005
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "jitter"), [(0.2, False), (3.0, False), (15.0, True)])
 def test_strides_that_are_jitter_are_said_to_be_unlike_each_other(noise, jitter):
     """Of 15 strides a leg, 15 are found with a noise of 4 % of their length, and 200 with 20 %."""
@@ -100,6 +102,7 @@ def test_nothing_is_said_of_a_sound_walk(duty):
     assert say_implausible(strides.iloc[:0]) == []
 
 
+@pytest.mark.slow
 def test_strides_of_an_animal_that_stands_still_are_said_to_be_jitter():
     """A spider that hung motionless had 39 strides of 8 legs, and nothing said that it stood."""
     rng = np.random.default_rng(0)

@@ -58,6 +58,7 @@ def test_uncorrelated_and_the_known_limit():
     assert turning.p_permutation < 0.001
 
 
+@pytest.mark.slow
 def test_zars_angular_angular_example():
     fisher_lee = angular_angular(D20_INSECT, D20_LIGHT, method="fisher-lee")
     assert fisher_lee.r == pytest.approx(0.8945060857, abs=5e-11)  # pycircstat2; Zar .8945

@@ -165,6 +165,7 @@ def test_moments(order, angle, length):
     assert circular_moment(nudged(M6), order).r != pytest.approx(length, abs=5e-5)
 
 
+@pytest.mark.slow
 def test_moments_are_those_of_astropy():
     from astropy.stats import circmoment
 

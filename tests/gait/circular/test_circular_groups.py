@@ -104,6 +104,7 @@ def test_wheeler_watson():
     assert wheeler_watson_test(*labelled(twin)).statistic != pytest.approx(3.67827, abs=0.05)
 
 
+@pytest.mark.slow
 def test_mean_of_w_over_permutations_is_its_degrees_of_freedom():
     rng = np.random.default_rng(0)
     phases = rng.random(9)

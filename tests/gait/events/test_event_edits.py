@@ -196,6 +196,7 @@ def test_corrections_are_made_in_what_was_found_not_twice(tables, tmp_path):
     same(again.undo(), gait.pool([tables, other]))
 
 
+@pytest.mark.slow
 def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_path):
     path = tmp_path / "event_edits.jsonl"
     both = gait.pool([tables, gait.analyse_events(tables.events.assign(trial="t2"))])
@@ -219,6 +220,7 @@ def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_
     assert np.isclose(strides_of(twice, "R1")["start_s"], 0.42).any()
 
 
+@pytest.mark.slow
 def test_events_found_anew_keep_their_corrections(tables, tmp_path):
     """Tracks that are corrected elsewhere move every event a little."""
     path = tmp_path / "event_edits.jsonl"
@@ -275,6 +277,7 @@ def test_what_fits_no_event_any_more_is_left_out_and_said(tables, tmp_path):
     assert not opened.left_out
 
 
+@pytest.mark.slow
 def test_undo_redo_and_replay(tables, tmp_path):
     path = tmp_path / "event_edits.jsonl"
     log = EventEdits(tables, path)
@@ -374,6 +377,7 @@ def test_a_line_that_cannot_be_read_is_told(tables, tmp_path, line, message):
         EventEdits(tables, path)
 
 
+@pytest.mark.slow
 def test_corrections_stay_with_their_frames_where_the_frame_rate_is_mended(tables, tmp_path):
     """The recording had 125 frames a second, not 100: its frames are those they were."""
     path = tmp_path / "event_edits.jsonl"

@@ -65,6 +65,7 @@ def tracks_of(table, every, fps):
     return tracks
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("every", "most"), [(8, 0.025), (12, 0.035)])
 def test_contact_of_a_real_mouse_hardly_depends_on_the_frame_rate(real_data, every, most):
     # 400 frames a second, 163 in a stride, tell the contact; of every 8th (20 in a stride) 0.035 of

@@ -122,6 +122,7 @@ def test_scattered_phases_have_an_interval_of_95_percent_of_the_cycle():
     assert found.p == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("concentration", [50.0, 4.0])
 def test_phases_of_two_groups_hold_their_level(concentration):
     rng = np.random.default_rng(6)

@@ -95,6 +95,7 @@ def test_what_is_a_wanderer_and_what_is_a_body():
     assert guess_body(["nose", "tail tip"]) is None
 
 
+@pytest.mark.slow
 def test_a_real_mouse_in_an_open_field_trots(real_data):
     """Mixed behaviour, DeepLabCut: in its bouts left and right alternate, diagonals go together
     (Hildebrand 1965: trot; mice at these speeds trot, Bellardita & Kiehn 2015)."""
@@ -217,6 +218,7 @@ def test_a_belt_that_stops_makes_pauses_though_labels_jitter(stated):
     np.testing.assert_allclose(strides["speed"], 300.0, rtol=0.03)
 
 
+@pytest.mark.slow
 def test_feet_alone_of_a_real_mouse_in_an_open_field_give_the_same_gait(real_data):
     """Without snout and tail it was taken to be on a treadmill, and had no stride at all."""
     tracks = read_any_tracks(real_data("mouse-openfield-dlc") / "raw_clip1DLC.csv", fps=60.0)

@@ -40,6 +40,7 @@ def test_feet_that_go_aside_of_forward_are_said_with_their_direction(turned_deg)
         assert not [n for n in told if "forward" in n]
 
 
+@pytest.mark.slow
 def test_feet_that_are_lifted_downwards_are_said():
     below = Walk().tracks()
     below["position"].loc[{"space": "z"}] *= -1.0

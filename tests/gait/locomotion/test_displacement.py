@@ -54,6 +54,7 @@ def check_strides(strides):
     assert (strides["contact_duty_factor"] - DUTY - 0.06).abs().max() < 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("away", [0.0, 100.0])
 def test_feet_of_an_animal_that_turns_stand_still_wherever_the_origin_is(away):
     check_strides(analyse(circling(away=away)).strides)

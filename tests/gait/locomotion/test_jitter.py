@@ -26,6 +26,7 @@ def test_the_standard_deviation_of_white_noise_is_found():
     assert np.isnan(jitter_of(np.arange(5.0)))
 
 
+@pytest.mark.slow
 def test_strides_made_of_jitter_are_said():
     # 16 strides of each of four legs, less those that the ends cut; 10 % of 90 mm
     tables, said = notes_of(9.0)

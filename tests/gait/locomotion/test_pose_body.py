@@ -50,6 +50,7 @@ def test_leg_angles_are_those_of_the_stick_animal(run, options):
     np.testing.assert_allclose((turn + 180) % 360, 180, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_events_are_within_a_fraction_of_a_frame_of_the_truth(run):
     trial, *_ = run
     tables = gait.analyse(_tracks(*run, px_per_unit=0.484, unit="mm"), trial=trial)
@@ -72,6 +73,7 @@ def test_events_are_within_a_fraction_of_a_frame_of_the_truth(run):
     )
 
 
+@pytest.mark.slow
 def test_speed_is_that_of_the_body_in_real_units(run):
     trial, _, poses = run
     tables = gait.analyse(_tracks(*run, px_per_unit=0.484, unit="mm"), trial=trial)
@@ -81,6 +83,7 @@ def test_speed_is_that_of_the_body_in_real_units(run):
     assert (tables.strides["aep_position"] > tables.strides["pep_position"]).all()
 
 
+@pytest.mark.slow
 def test_points_alone_are_analysed_by_position(run):
     trial, *_ = run
     tables = gait.analyse(_tracks(*run).drop_vars("heading"), trial=trial)

@@ -32,6 +32,7 @@ def test_an_exact_trot_has_distance_0_to_the_trot_only():
     assert found.loc["lateral-sequence walk", "distance"] == pytest.approx(np.sqrt(4 / 6) / 4)
 
 
+@pytest.mark.slow
 @given(shift=st.floats(-0.2, 0.2))
 def test_distance_is_the_common_shift(shift):
     moved = {pair: (phase + shift) % 1.0 for pair, phase in TROT.items()}

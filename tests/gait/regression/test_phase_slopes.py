@@ -49,6 +49,7 @@ def test_the_slope_is_the_mean_of_the_animals_slopes():
     assert "one animal" in one["note"]
 
 
+@pytest.mark.slow
 def test_a_shift_within_animals_is_found_where_their_means_show_none():
     # 60 studies of six animals at the same three speeds: means of animals have one speed
     rng = np.random.default_rng(1)

@@ -236,6 +236,7 @@ def test_pooled_lies_between_the_signals():
     assert (cutoff["pooled"] < cutoff["quiet"]).all()
 
 
+@pytest.mark.slow
 def test_a_pooled_cutoff_that_one_noisy_foot_sets_says_so():
     # the movement is the same, so the cut-off of two alike feet is that of each
     _, quiet = two_waves(sd=0.05)

@@ -111,6 +111,7 @@ def test_event_that_begins_a_stride():
     assert choose_stride_event(events([("TD", 0.2), ("LO", 0.3)]), "auto") == "TD"
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     st.lists(st.floats(0.02, 1.0), min_size=3, max_size=20),

@@ -62,6 +62,7 @@ def test_painted_boards_give_the_cameras_that_painted_them(painted, tmp_path, ca
     assert np.median(np.abs(project(coefs, on_board) - straight)) < 0.5  # px
 
 
+@pytest.mark.slow
 def test_what_is_wrong_with_the_pictures_is_one_sentence(tmp_path, capsys):
     (tmp_path / "board.toml").write_text(TOML)
     blank = np.full((60, 80), 128, np.uint8)
@@ -193,6 +194,7 @@ def test_a_copy_is_said_when_another_programs_file_is_taken_over(real_data, tmp_
     assert "cameras 'side' and 'top' are the same" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_films_of_different_length_are_matched_by_frame(tmp_path):
     for name, n in (("a", 4), ("b", 6)):
         writer = cv2.VideoWriter(

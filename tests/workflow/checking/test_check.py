@@ -82,6 +82,7 @@ def test_what_a_crop_keeps_is_said(small_trial):
         check_trial(small_trial)
 
 
+@pytest.mark.slow
 def test_a_grey_film_that_is_stored_in_colour_is_said_to_be_grey(small_trial):
     grey = np.tile(np.linspace(0, 255, 410).astype(np.uint8), (140, 1))
     code = cv2.VideoWriter.fourcc(*"MJPG")
@@ -155,6 +156,7 @@ def test_coefficients_in_the_order_of_other_views_are_doubted(small_trial):
     assert said.endswith("or the columns of the calibration are in another order than the views")
 
 
+@pytest.mark.slow
 def test_a_unit_in_which_no_animal_is_that_large_is_doubted(small_trial):
     coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
     coefs[[0, 1, 2, 4, 5, 6, 8, 9, 10]] *= 1000.0  # as a program writes that counts in metres
@@ -181,6 +183,7 @@ def test_the_scale_of_a_single_view_is_said_and_doubted(small_trial, tmp_path):
     assert any("clicked points lie 0.0" in doubt for doubt in check_trial(tmp_path).doubts)
 
 
+@pytest.mark.slow
 def test_lenses_of_pictures_of_another_size_are_doubted(small_trial):
     lens = "matrix = [[900.0, 0, 205], [0, 900.0, 70], [0, 0, 1]]\ndistortion = [0, 0, 0, 0]\n"
     sizes = ("410, 140", "820, 280", "410, 140", "410, 140")
@@ -301,6 +304,7 @@ def test_tracks_of_pictures_that_lay_on_their_side_are_told(small_trial):
     assert f"tracked in pictures of {height} x {width} px (before it was heeded how" in told[0]
 
 
+@pytest.mark.slow
 def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):
     """Clicks on the belt instead of on paws: what is about the animal has the same colour."""
     report = check_trial(small_trial)
@@ -386,6 +390,7 @@ def test_films_exchanged_after_they_were_clicked_are_doubted(small_trial):
     assert len(exchanged()) == 2
 
 
+@pytest.mark.slow
 def test_a_film_that_looks_interlaced_though_it_does_not_say_so_is_doubted(small_trial):
     """Every other row of each picture from the next one, as of a camera that filmed in fields."""
     with open_views(load_trial(small_trial)) as views:

@@ -92,6 +92,7 @@ def test_a_pose_on_the_smaller_of_two_animals_is_no_fault(small_spider):
     assert any("perhaps a second animal" in doubt for doubt in report.doubts)
 
 
+@pytest.mark.slow
 def test_joints_out_of_range_an_odd_size_and_the_edge_are_doubted(small_spider):
     path = small_spider / "start_pose.csv"
     start = pd.read_csv(path)
@@ -110,6 +111,7 @@ def test_joints_out_of_range_an_odd_size_and_the_edge_are_doubted(small_spider):
     assert any("touches the edge of the picture" in doubt for doubt in doubts)
 
 
+@pytest.mark.slow
 def test_a_heading_against_the_way_the_animal_goes_is_doubted(small_spider):
     """A running spider posed the wrong way round was tracked as *good*, each leg as another."""
     start = pd.read_csv(small_spider / "start_pose.csv")
@@ -130,6 +132,7 @@ def test_a_heading_against_the_way_the_animal_goes_is_doubted(small_spider):
     assert not [d for d in check_trial(small_spider).doubts if "backwards" in d]
 
 
+@pytest.mark.slow
 def test_sizes_are_compared_in_the_unit_of_the_species_file(small_spider):
     # 1.452 px per mm
     change(small_spider, 'px_per_unit = 1.452\nunit = "mm"', 'px_per_unit = 14.52\nunit = "cm"')

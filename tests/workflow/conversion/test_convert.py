@@ -21,6 +21,7 @@ coords,x,y,likelihood
 DLTDV = "FR_X,FR_Y,FR_Z\n1.0,2.0,3.0\n4.0,5.0,6.5\n"
 
 
+@pytest.mark.slow
 def test_deeplabcut_to_netcdf_and_table(tmp_path):
     (tmp_path / "clip.csv").write_text(DLC)
     (path,) = convert_tracks(tmp_path / "clip.csv", tmp_path / "tracks.nc", fps=50.0)
@@ -91,6 +92,7 @@ def test_a_name_that_says_its_format_gets_it(tmp_path, target, program):
     assert recognise_format(path) == program
 
 
+@pytest.mark.slow
 def test_each_view_gets_a_file_where_a_format_holds_one(tmp_path, capsys):
     tracks = make_tracks(range(2), ["FR"], fps=50.0, views=["left", "right"])
     tracks["image_position"][:, 0] = 10.0

@@ -183,6 +183,7 @@ def test_real_spiders_are_where_dltdv_says(real_data, tmp_path, v):
             np.testing.assert_allclose(own_rows.to_numpy(), expected, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_real_rats_are_where_their_authors_pixels_put_them(real_data):
     # the authors triangulate with v = 700 - Y and, for cameras 3 and 4, u = 2048 - X: solved
     # here from the file's own numbers and coefficients

@@ -37,6 +37,7 @@ def strides_of(path):
     return tables, tables.strides[tables.strides["leg"] == "HR"]
 
 
+@pytest.mark.slow
 def test_deleted_rows_do_not_shorten_the_recording(tmp_path):
     whole, strides = strides_of(write_walk(tmp_path / "whole.csv", range(N)))
     assert len(strides) == N_STRIDES
@@ -73,6 +74,7 @@ def test_tracks_that_lack_frames_in_memory_say_so(tmp_path):
     assert rows["why"].tolist() == ["frames 500 to 599 are not in the tracks"]
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_line(tmp_path):
     path = write_walk(tmp_path / "cut.csv", [i for i in range(N) if i != 700])
     run_gait([path], fps=FPS, figures="none", out=tmp_path / "out")

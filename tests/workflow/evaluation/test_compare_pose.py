@@ -26,6 +26,7 @@ def tracked(rendered_spider):
     return track(rendered_spider, frames=(10, 14), progress=lambda done, total: None)
 
 
+@pytest.mark.slow
 def test_each_method_has_the_errors_of_its_tracks(tracked, rendered_spider, tmp_path, monkeypatch):
     """Method "paper" is given tracks that are 3 px to the right and 4 px down: 5 px off."""
 

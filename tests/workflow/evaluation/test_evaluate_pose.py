@@ -36,6 +36,7 @@ def still(tmp_path):
     )
 
 
+@pytest.mark.slow
 def test_jitter_is_that_of_the_frames_asked_for(still, tmp_path, capsys):
     found = evaluate_still(still, frames=(0, 19))
     x = found.tables["still"].set_index("measure").loc["x"]

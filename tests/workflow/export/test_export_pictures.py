@@ -40,6 +40,7 @@ def plain(trial, frame, size):
     return cv2.resize(image, size, interpolation=cv2.INTER_AREA).astype(float)
 
 
+@pytest.mark.slow
 def test_a_film_shows_the_frames_asked_for_in_order_with_the_point(
     rendered_trial, tracks, tmp_path
 ):

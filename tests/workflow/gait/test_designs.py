@@ -225,6 +225,7 @@ def test_a_file_that_says_another_group_than_the_study_is_named(tmp_path):
     assert found["n_animals_a"].iloc[0] == 3
 
 
+@pytest.mark.slow
 def test_a_trial_that_names_another_animal_and_group_than_the_study_is_named(tmp_path):
     rows = []
     for animal, group in (("a", "ctl"), ("b", "les")):

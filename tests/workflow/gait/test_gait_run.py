@@ -291,6 +291,7 @@ def test_contact_by_hand_is_read_as_events(tmp_path):
     np.testing.assert_allclose(run.tables.phases["phase"], 0.5)
 
 
+@pytest.mark.slow
 def test_real_events_under_their_own_names(real_data, tmp_path):
     # a tardigrade's eight legs, "up" and "down" scored by hand: 95 steps, as published to 1e-3
     folder = real_data("tardigrade-8leg-events")

@@ -48,6 +48,7 @@ def test_two_files_of_one_recording_are_refused_by_name_and_told_by_what_they_ho
     assert same[0].startswith("m01DLC.csv (m01) and again.csv (again) hold the same tracks")
 
 
+@pytest.mark.slow
 def test_of_many_copies_of_one_recording_there_is_one_sentence(tmp_path):
     tracks = walking_tracks("t1", "m1").isel(time=slice(0, 100))
     other = tracks.copy(deep=True)
@@ -195,6 +196,7 @@ def test_rows_that_are_no_frames_of_the_film_are_told(tmp_path):
     assert not any("frames apart" in note for note in said)
 
 
+@pytest.mark.slow
 def test_points_of_views_are_in_px_and_nothing_is_said_of_mm(sample):
     file = sample / "m01DLC.csv"
     text = '[trial]\nkind = "tracks"\nname = "t"\nfps = 200.0\n[animal]\nid = "m01"\n[tracks]\n'

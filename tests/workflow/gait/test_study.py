@@ -365,6 +365,7 @@ def exclude_one(run):
     edits.apply(ExcludeStride(**who, start_s=float(stride["start_s"]), reason="stumbled"))
 
 
+@pytest.mark.slow
 def test_a_study_written_elsewhere_has_the_corrections_beside_it(corrected, tmp_path):
     run = run_gait(corrected, figures="none", out=tmp_path / "paper")
     assert "excluded by hand: stumbled" in set(run.tables.dropped["why"])

@@ -187,6 +187,7 @@ def test_killed_between_any_two_renames_the_folder_is_whole_or_says_that_it_is_n
     assert states.count(False) >= 2
 
 
+@pytest.mark.slow
 @posix
 def test_killed_in_a_new_folder_it_says_so(tmp_path):
     out = tmp_path / "out"

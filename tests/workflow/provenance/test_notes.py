@@ -89,6 +89,7 @@ def test_folders_of_a_machine_are_cut(said, kept):
     assert without_folders(said) == kept
 
 
+@pytest.mark.slow
 def test_notes_of_a_gait_run_are_written(tmp_path):
     # three animals of five strides; one has a single leg, so no pairs
     for name, legs in (("a", "LR"), ("b", "LR"), ("c", "L")):

@@ -69,6 +69,7 @@ def test_frames_outside_the_trial_are_refused(spider):
         pawnb.propose_start(spider, frames=[99], progress=silent)
 
 
+@pytest.mark.slow
 def test_the_grid_of_the_rendered_panel(spider):
     # 4.84 px per mm at full size (section 4.1 of the thesis: 0.557 px = 0.023 cm at half of it)
     found = find_grid_scale(spider, spacing=10.0)

@@ -187,6 +187,7 @@ def test_predictions_far_from_clicks_are_doubted(tmp_path):
     assert words.startswith("a.csv: predictions lie 100 px from the clicks in view 'a' (median")
 
 
+@pytest.mark.slow
 def test_check_reads_predictions(small_trial):
     toml = small_trial / "trial.toml"
     write_csv(small_trial / "a.csv", n=40)

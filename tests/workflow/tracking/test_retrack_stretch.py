@@ -73,6 +73,7 @@ def long(tmp_path_factory):
     return Corrected(folder)
 
 
+@pytest.mark.slow
 def test_a_hand_that_is_a_pixel_off_moves_the_track_about_its_frame_only(short, tmp_path):
     """Ten rows on the old track end the stretch; a pixel may pull a few rows before them."""
     log = short.log(tmp_path / "edits.jsonl")
@@ -101,6 +102,7 @@ def clicked_late(rendered_trial):
     return Corrected(rendered_trial, start[["frame", "view", "point", "u", "v"]])
 
 
+@pytest.mark.slow
 def test_a_correction_before_the_clicks_changes_its_stretch_only(clicked_late, tmp_path):
     log = clicked_late.log(tmp_path / "edits.jsonl")
     clicked_late.move(log, "HL", 5, off_px=1.0)

@@ -133,6 +133,7 @@ def test_the_default_goes_both_ways_from_where_paws_were_clicked(rendered_trial,
         np.testing.assert_allclose(place, [click.u, click.v])
 
 
+@pytest.mark.slow
 def test_the_trials_range_is_tracked_from_its_first_frame_on(small_trial):
     change(small_trial, "[trial]", "[trial]\nframes = [4, 14]")
     tracks = track(small_trial, start=clicks_in(small_trial, 8))
@@ -214,6 +215,7 @@ def test_provenance_names_every_input_and_no_place(tracked, rendered_trial):
     assert str(rendered_trial.parent) not in text
 
 
+@pytest.mark.slow
 def test_the_same_run_writes_the_same_bytes(tracked, rendered_trial, tmp_path):
     _, out = tracked
     again = {"frames": FRAMES, "out": tmp_path, "command": ["pawnb", "track", "x"]}
@@ -413,6 +415,7 @@ def test_without_a_calibration_points_of_several_views_keep_their_names(small_tr
 
 
 # the animal is 87 mm from the nose to the base of the tail, an ear 11 mm wide
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "away_mm", "yaw_deg"), [("paper", 11.0, 15.0), ("pawnb", 1.5, 3.0)]
 )
@@ -432,6 +435,7 @@ def test_landmarks_are_tracked_beside_the_paws_and_give_the_bodys_angles(
     assert (found["yaw_deg"] - true["yaw_deg"]).abs().median() < yaw_deg
 
 
+@pytest.mark.slow
 def test_landmarks_are_tracked_before_their_click_too(small_trial):
     _, truth = _with_landmarks(small_trial)
     for _view in range(4):

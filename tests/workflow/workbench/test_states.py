@@ -41,6 +41,7 @@ def click(folder, points=scene.POINTS):
     (folder / "start.csv").write_text("frame,view,point,u,v\n" + "".join(rows))
 
 
+@pytest.mark.slow
 def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
     def seen():
         state = state_of(folder)
@@ -67,6 +68,7 @@ def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
     assert seen()[1] == "gait"
 
 
+@pytest.mark.slow
 def test_corrections_that_are_not_saved_are_said_and_come_next(folder):
     click(folder)
     results = folder / "results"

@@ -143,6 +143,7 @@ def test_the_spline_is_cubic_closed_and_goes_through_the_means():
 
 
 # the same draws each time: about one in thousands makes the paper's simplex search stop too early
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25, derandomize=True)
 @given(
     period=st.floats(32.0, 75.0),

@@ -301,6 +301,7 @@ def test_retracking_holds_positions_placed_by_hand_later_on(make_scene):
     assert again["image_origin"][19, 0, 0, 0] == MEASURED
 
 
+@pytest.mark.slow
 def test_stopping_keeps_what_is_done(make_scene):
     scene = make_scene()
     done = []
@@ -324,6 +325,7 @@ def test_tracking_may_begin_and_end_within_the_recording(make_scene):
     assert image_error(tracks, scene)[2:].max() < 7.0
 
 
+@pytest.mark.slow
 def test_same_input_gives_the_same_tracks(make_scene):
     scene = make_scene()
     assert track(scene).identical(track(scene))

@@ -54,6 +54,7 @@ def test_a_leg_beside_its_place_is_told(scene):
     assert 0.5 * off.cost < look(scene, wrong, unexplained_sd=0.5).cost < 0
 
 
+@pytest.mark.slow
 def test_a_rough_pose_comes_onto_the_animal(scene):
     animal, poses, frame, background = scene
     rng = np.random.default_rng(3)

@@ -119,6 +119,7 @@ def test_a_shadow_over_half_of_the_scene_does_no_harm():
     assert errors(animal, propose_pose(reader, animal, BACKGROUND), poses)[0] < 0.05
 
 
+@pytest.mark.slow
 def test_front_and_rear_are_told_by_the_direction_of_travel():
     # a body without front or rear, four legs straight out: only its path tells its heading
     whole = load_species("insect")

@@ -62,6 +62,7 @@ def test_a_film_that_stands_still_while_the_animal_goes_on_is_found(tmp_path, cr
     assert repeats_every(film, 0, film.n_frames) is None
 
 
+@pytest.mark.slow
 def test_two_copies_or_a_film_that_ends_in_copies_are_no_freeze_and_three_are(tmp_path):
     for copies, found in ((2, []), (3, [(40, 43)])):
         order = [*range(40), *[39] * copies, *range(40 + copies, N)]
@@ -71,6 +72,7 @@ def test_two_copies_or_a_film_that_ends_in_copies_are_no_freeze_and_three_are(tm
     assert find_freezes(film, 0, N) == []
 
 
+@pytest.mark.slow
 def test_a_film_as_it_is_and_an_animal_that_slows_down_and_rests_are_not_told(tmp_path):
     film = VideoFile(write(tmp_path / "film.avi", walking(), range(N)))
     assert find_freezes(film, 0, N) == []
@@ -80,6 +82,7 @@ def test_a_film_as_it_is_and_an_animal_that_slows_down_and_rests_are_not_told(tm
     assert find_freezes(film, 0, N) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "cycle"), [(TWICE, 2), (AS_TELEVISION, 5)])
 def test_a_film_that_was_saved_at_another_rate_is_found(tmp_path, order, cycle):
     film = VideoFile(write(tmp_path / "film.avi", walking(), order))
@@ -108,6 +111,7 @@ def test_it_is_said_once_a_film_in_frames_of_the_trial(tmp_path):
         assert "in frames 10 to 17, 20 to 23, 30 to 39 and 2 more times: " in said
 
 
+@pytest.mark.slow
 def test_a_film_shown_twice_says_how_many_pictures_are_new(tmp_path):
     write(tmp_path / "film.avi", walking(), TWICE)
     view = View(name="side", video="film.avi", points=("a",))
@@ -120,6 +124,7 @@ def test_a_film_shown_twice_says_how_many_pictures_are_new(tmp_path):
     assert "of 60 pictures a second only 30 are new" in said
 
 
+@pytest.mark.slow
 def test_a_film_with_every_fifth_picture_again_behind_a_part_without_is_told(tmp_path):
     # 24 pictures a second made 30 have four of five new: 48 of 60; the trial begins behind 60
     write(tmp_path / "film.avi", walking(), [*range(60), *reversed(AS_TELEVISION)])

@@ -91,6 +91,7 @@ def test_a_style_that_was_set_is_in_the_recipe(tmp_path, only_png):
         assert "style" not in json.loads(picture.text["Description"])
 
 
+@pytest.mark.slow
 def test_main_and_none(tmp_path, only_png):
     tables = analyse_events(events(trials=("t1", "t2")))
     files = save_gait_figures(gait_drawings(tables), tmp_path, record={}, which="main")
@@ -100,6 +101,7 @@ def test_main_and_none(tmp_path, only_png):
         save_gait_figures(gait_drawings(tables), tmp_path, record={}, which="few")
 
 
+@pytest.mark.slow
 def test_names_of_trials_and_animals_never_lead_out_of_the_folder(tmp_path, only_png):
     """Two trials whose names differ in signs only that no file name has."""
     table = events(trials=("../../x", "..-..-x")).assign(animal="/a")

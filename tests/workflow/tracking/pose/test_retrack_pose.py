@@ -144,6 +144,7 @@ def test_a_pose_put_a_little_off_changes_rows_near_it_only(tmp_path):
     assert kept.identical(were.assign_attrs(again.attrs))
 
 
+@pytest.mark.slow
 def test_what_cannot_be_tracked_again(spoilt, rendered_spider):
     trial = load_trial(rendered_spider)
     with pytest.raises(InputError, match="frame 3 is not among the tracked frames 10 to 23"):

@@ -114,6 +114,7 @@ def test_where_the_cheapest_paths_share_no_tracklet_nothing_is_solved(crossing, 
     assert asked == []
 
 
+@pytest.mark.slow
 def test_cheapest_paths_are_those_that_an_integer_programme_finds(crossing, monkeypatch):
     """HiGHS, for 100 draws of gains; in some of them the cheapest paths share a tracklet."""
     some = [*crossing, tracklet(5, 30, (20, 15), (0.3, 0)), tracklet(17, 21, (28, 10), (1, 0))]

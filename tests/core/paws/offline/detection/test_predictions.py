@@ -73,6 +73,7 @@ def test_the_share_of_errors_is_found(swapped, thrown):
     assert np.mean(said) == pytest.approx(np.mean(made), abs=0.03)
 
 
+@pytest.mark.slow
 def test_probabilities_mean_what_they_say():
     """Of predictions that are said to be right with p, a share of p is."""
     p, right = [], []

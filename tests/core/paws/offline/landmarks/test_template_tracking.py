@@ -108,6 +108,7 @@ def test_a_patch_is_followed_between_pixels_and_found_again_after_hiding():
     assert (np.array(follower.likeness)[:, 0, 0] > 0).tolist() == seen.tolist()
 
 
+@pytest.mark.slow
 def test_the_clicked_patch_keeps_errors_from_adding_up():
     """A slow drift of brightness and 200 frames: flow alone goes astray by a pixel or more."""
     background, texture = smooth_noise(2), smooth_noise(3)

@@ -54,6 +54,7 @@ def test_of_two_clicked_frames_labels_are_learnt_but_no_powers(view):
     assert found.offsets.keys() == {0}
 
 
+@pytest.mark.slow
 def test_appearance_is_trusted_where_it_finds_what_was_left_out(view):
     found = weigh([view([1, 5, 8, 12])], 1, PARAMETERS)
     assert found.powers.appearance > 0

@@ -79,6 +79,7 @@ def test_many_thin_ends_do_not_crowd_out_the_paws():
         assert np.linalg.norm(rows.uv - end, axis=1).min() < 6.0
 
 
+@pytest.mark.slow
 def test_fine_marks_of_a_large_picture_do_not_change_how_thick_paws_are():
     """One pixel in five is of the wrong colour, on the paws and beside them."""
     rng = np.random.default_rng(0)
