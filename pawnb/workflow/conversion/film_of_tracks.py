@@ -26,7 +26,7 @@ _OUTSIDE = 0.02
 """Share of places outside of the picture from which on it is said. Set by hand: feet at the border
 are placed some px outside of it now and then."""
 
-_SURE = 0.6
+_SURE_IN_PICTURE = 0.6
 """Confidence of places that count here, as in the gait analysis."""
 
 
@@ -127,5 +127,5 @@ def _sure_places(trial: Trial, view: View, tracks: Tracks) -> FloatArray:
             scale = np.nan if known is None else known
     order = ("time", "keypoint", "individual")
     uv = scale * place.transpose(*order, axis).to_numpy().reshape(-1, 2)
-    unsure = sure.transpose(*order).to_numpy().ravel() < _SURE
+    unsure = sure.transpose(*order).to_numpy().ravel() < _SURE_IN_PICTURE
     return np.asarray(uv[np.isfinite(uv).all(axis=1) & ~unsure], dtype=float)

@@ -30,9 +30,14 @@ from pawnb.workflow.gait.inputs import (
     read_sources,
     tracks_of,
 )
+from pawnb.workflow.gait.notes.source_notes import (
+    notes_on_sources,
+    notes_on_trials,
+    say_whose_trial,
+)
+from pawnb.workflow.gait.notes.tracking_notes import notes_on_tracking
 from pawnb.workflow.gait.replaced import other_inputs, tell_replaced
 from pawnb.workflow.gait.request import GaitRequest, Legs, TakenOver, record_of
-from pawnb.workflow.gait.source_notes import notes_on_sources, notes_on_trials, say_whose_trial
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.statistics import (
@@ -52,7 +57,6 @@ from pawnb.workflow.gait.study_tables import (
     size_tables,
     tables_of_study,
 )
-from pawnb.workflow.gait.tracking_notes import notes_on_tracking
 from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
 from pawnb.workflow.provenance.notes import noted_warnings, notes_table
 from pawnb.workflow.provenance.report.index_page import INDEX_FILE, index_page

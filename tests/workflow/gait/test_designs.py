@@ -10,11 +10,11 @@ from trotting import walking_tracks
 
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.native import write_tracks
-from pawnb.workflow.gait.group_notes import notes_on_fields, notes_on_groups
 from pawnb.workflow.gait.inputs import read_sources
+from pawnb.workflow.gait.notes.group_notes import notes_on_fields, notes_on_groups
+from pawnb.workflow.gait.notes.source_notes import notes_on_sources
 from pawnb.workflow.gait.request import GaitRequest
 from pawnb.workflow.gait.run import run_gait
-from pawnb.workflow.gait.source_notes import notes_on_sources
 from pawnb.workflow.gait.sources import read_source
 
 FPS = 100.0

@@ -10,8 +10,8 @@ from trotting import LEGS, walking_tracks
 from pawnb.core.paws.offline.quality.assessment import PointQuality, Quality
 from pawnb.schema import add_provenance
 from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
+from pawnb.workflow.gait.notes.tracking_notes import notes_on_tracking
 from pawnb.workflow.gait.run import run_gait
-from pawnb.workflow.gait.tracking_notes import notes_on_tracking
 from pawnb.workflow.tracking.track import track
 
 

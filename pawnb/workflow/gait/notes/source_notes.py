@@ -18,8 +18,8 @@ from pawnb.io.formats import recognise_format
 from pawnb.schema import Tracks, rows_with_places
 from pawnb.workflow.conversion.film_of_tracks import doubt_film_of_tracks
 from pawnb.workflow.gait.event_sources import groups_of_events
-from pawnb.workflow.gait.group_notes import name_trials, notes_on_fields, notes_on_groups
-from pawnb.workflow.gait.identity_notes import notes_on_identities
+from pawnb.workflow.gait.notes.group_notes import name_trials, notes_on_fields, notes_on_groups
+from pawnb.workflow.gait.notes.identity_notes import notes_on_identities
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.study_tables import Fields
 

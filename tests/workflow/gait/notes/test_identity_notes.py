@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from trotting import walking_tracks
 
-from pawnb.workflow.gait.identity_notes import notes_on_identities
+from pawnb.workflow.gait.notes.identity_notes import notes_on_identities
 
 N = 240
 CUT = 120

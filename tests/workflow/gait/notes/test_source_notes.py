@@ -15,8 +15,8 @@ from pawnb.io.native import write_tracks
 from pawnb.schema import make_tracks
 from pawnb.synthetic import write_deeplabcut_sample
 from pawnb.workflow.gait.drawing.drawings import gait_drawings
+from pawnb.workflow.gait.notes.source_notes import _same_recordings
 from pawnb.workflow.gait.run import run_gait
-from pawnb.workflow.gait.source_notes import _same_recordings
 from pawnb.workflow.gait.sources import read_source
 
 
