@@ -3,7 +3,8 @@
 Comes in: results, files of tracks or events, or a study. Goes out: a folder of tables and figures.
 ``run`` is the call, ``request`` what it is asked for and its record, ``study`` who was filmed,
 ``species`` who else is drawn; ``inputs``, ``sources`` and ``event_sources`` read what it is given,
-``statistics`` makes the tables beside those of the trials, ``drawing`` the figures.
+``notes`` say what is odd in it, ``statistics`` makes the tables beside those of the trials,
+``drawing`` the figures.
 """
 
 from pawnb import _lazy
@@ -24,6 +25,7 @@ __all__ = [
     "drawing",
     "event_sources",
     "inputs",
+    "notes",
     "request",
     "run",
     "run_gait",
