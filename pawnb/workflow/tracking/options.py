@@ -45,11 +45,9 @@ class TrackOptions:
                 "{name: value}."
             )
         span = self.frames
-        if span is not None and not (
-            isinstance(span, Sequence)
-            and len(span) == 2
-            and all(isinstance(one, int | np.integer) for one in span)
-        ):
+        ends = [*span] if isinstance(span, Sequence | np.ndarray) else []
+        whole = all(isinstance(one, int | np.integer) for one in ends)
+        if span is not None and not (whole and len(ends) == 2):
             raise InputError(
                 f"frames is {shown(span)}; expected the first and one past the last, as (0, 1000)."
             )
