@@ -112,6 +112,7 @@ def test_words_of_a_fit_are_short_and_plain():
     assert " + 2e−5 x" in ax.get_title(loc="right")
 
 
+@pytest.mark.slow
 def test_logarithmic_axes_have_plain_numbers():
     power = species().assign(animal=lambda t: t["name"])
     ax = plot_regression(build_regression_table(power, [("speed", "mass")], kind="power"), log=True)

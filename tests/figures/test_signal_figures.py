@@ -47,6 +47,7 @@ def test_residual_table_is_that_of_each_signal_and_of_all():
     np.testing.assert_array_equal(rows["cutoff_hz"], chosen)
 
 
+@pytest.mark.slow
 def test_residual_table_takes_one_signal_without_a_name():
     plain = signals().iloc[:, 0].to_numpy()
     table = build_residual_analysis_table(plain, fs_hz=FS)

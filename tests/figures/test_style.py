@@ -50,6 +50,7 @@ def test_text_has_its_size():
     assert all(t.get_size() >= 6.0 for t in ax.texts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
 def test_equal_figures_give_equal_bytes(kind):
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}, "png": {}}[kind]

@@ -40,6 +40,7 @@ def measure(tracks, **options):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @given(roll=ANGLE, pitch=st.floats(-85.0, 85.0), yaw=ANGLE)
 @settings(max_examples=60, deadline=None)
 def test_angles_are_those_the_animal_was_turned_by(roll, pitch, yaw):

@@ -73,6 +73,7 @@ def test_events_of_the_synthetic_mouse(speed, noise):
     assert strides["speed"].mean() == pytest.approx(speed, rel=0.05)
 
 
+@pytest.mark.slow
 def test_a_mouse_that_runs_the_other_way_needs_its_direction():
     scene, tracks, truth = recording(0.3, direction=-1)
     tables = analyse(tracks, belt_speed=scene.belt_speed_mm_s, forward=(-1.0, 0.0, 0.0))

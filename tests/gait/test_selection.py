@@ -47,6 +47,7 @@ def trial(name):
                  calibration=Calibration(unit="mm"), belt_speed=300.0)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_unsteady_trials_are_dropped_with_a_reason():
     one = analyse(Walk().tracks(), trial=trial("steady"))
     two = analyse(Walk().tracks(seed=1), trial=trial("uneven"))

@@ -116,6 +116,7 @@ def test_netcdf_round_trip_of_any_names(tmp_path, names, n, views):
     assert_same(native.read_tracks(native.write_tracks(tracks, tmp_path / "t.nc")), tracks)
 
 
+@pytest.mark.slow
 def test_the_file_is_whole_closed_and_always_the_same(tmp_path):
     tracks = example()
     path = native.write_tracks(tracks, tmp_path / "tracks.nc")

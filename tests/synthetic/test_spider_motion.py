@@ -38,6 +38,7 @@ def test_a_standing_foot_does_not_move_and_a_swing_joins_without_a_jerk(difficul
             assert max(steps[0], steps[-1]) < 1e-3 * steps.max()
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(difficulties, st.integers(0, 10_000))
 def test_feet_stay_between_the_walls(difficulty, seed):
@@ -88,6 +89,7 @@ def test_gait_numbers_are_those_of_the_thesis():
     assert towards == {-1.0, 1.0}
 
 
+@pytest.mark.slow
 def test_events_alternate_and_are_extremes_of_the_leg_angle():
     run = plan("normal", 4)
     for leg in run.feet:

@@ -143,6 +143,7 @@ def test_axes_and_grid_lie_where_they_are_in_space(opened):
     assert min(np.hypot(*(np.array(at[0]) - corner)) for at in grid) < 0.1
 
 
+@pytest.mark.slow
 def test_a_lens_that_bends_is_found(opened):
     """Clicks bent by k1 = -2 about the middle of the picture (OpenCV's model)."""
     open_it, folder = opened

@@ -59,6 +59,7 @@ def test_each_frame_shows_its_own_pose(reviewer, tracks):
         assert not stick["dashed"]
 
 
+@pytest.mark.slow
 def test_a_drag_corrects_the_frame_looked_at_and_undo_takes_it_back(reviewer, tracks):
     was, to = drag(reviewer, 17)
     np.testing.assert_allclose(tip(reviewer, 17), to, atol=1.0)
@@ -271,6 +272,7 @@ def test_the_next_difference_chooses_its_leg_and_stays_said(rendered_spider, tra
     widget.close()
 
 
+@pytest.mark.slow
 def test_a_leg_at_full_reach_that_is_dragged_further_out_is_no_correction(reviewer):
     """Its segments are in line then: together they reach from the body to the tip."""
     was = reviewer.session.pose_at(17).places("L2")
@@ -300,6 +302,7 @@ def test_a_key_may_change_a_small_animal_by_less_than_a_drag(reviewer):
     assert len(reviewer.corrected.corrections) == 1
 
 
+@pytest.mark.slow
 def test_undo_and_redo_say_what_they_did(reviewer):
     drag(reviewer, 17)
     reviewer.edit("action", {"frame": 12, "action": "undo"})
@@ -312,6 +315,7 @@ def test_undo_and_redo_say_what_they_did(reviewer):
     assert reviewer.status.startswith("Made again: posed in frame 17.\n")
 
 
+@pytest.mark.slow
 def test_what_tracking_again_did_is_said_where_another_frame_was_looked_at(reviewer):
     drag(reviewer, 17)
     began, go_on = threading.Event(), threading.Event()

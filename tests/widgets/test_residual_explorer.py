@@ -61,6 +61,7 @@ def test_where_residual_analysis_has_no_answer_the_hand_begins_with_another_meth
     assert "next to nothing is taken away" in nothing.text()
 
 
+@pytest.mark.slow
 def test_cutoffs_stay_within_what_the_filter_can_do():
     session = ResidualSession(SIGNALS, fs_hz=FS)
     assert session.set_cutoff(1e6) == session.highest_hz

@@ -261,6 +261,7 @@ def test_saved_tracks_are_written_again_when_what_they_contain_is_undone(trial):
     assert reopened.position(10, "cam1", "FR") == tuple(scene.seen(10)[0, 0])
 
 
+@pytest.mark.slow
 def test_many_threads_correct_and_look_at_once(trial):
     session = session_of(trial)
     faults = []

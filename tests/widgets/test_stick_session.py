@@ -306,6 +306,7 @@ def test_tracking_may_start_from_several_frames(session):
     assert again.posed_frames == [20, 40]
 
 
+@pytest.mark.slow
 def test_poses_keep_in_which_film_they_were_made(session):
     """The file of poses has no column for it: its columns are a contract."""
     films = {"one": "p0123456789abcdef", "two": "pfedcba9876543210"}

@@ -48,6 +48,7 @@ def truth_off_px(fit):
     return np.array(off)
 
 
+@pytest.mark.slow
 def test_cameras_come_back():
     fit = calibrate_by_boards(sightings())
     # corners with 0.1 px of noise in u and v are 0.14 px off; each place is averaged over many

@@ -73,6 +73,7 @@ def test_bright_lines_and_a_spider_on_the_grid_do_no_harm():
     assert scale_from_grid(picture, spacing=5).px_per_unit == pytest.approx(6.05, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_walls_far_stronger_than_the_grid_do_no_harm(seed):
     # an arena with bright walls, dark outside: edges have all frequencies of their direction
@@ -116,6 +117,7 @@ def test_lines_in_one_direction_are_no_grid():
         scale_from_grid(stripes.astype(np.uint8), spacing=10)
 
 
+@pytest.mark.slow
 def test_a_camera_that_looks_from_the_side_is_refused():
     picture = grid(40.0, 0.0, np.random.default_rng(1), stretch=1.2)
     with pytest.raises(InputError, match=r"from the side|no grid"):

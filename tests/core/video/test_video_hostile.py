@@ -33,6 +33,7 @@ def scrambled(data, rng):
     return data
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["mp4", "mkv", "ts", "avi", "webm"])
 def test_scrambled_videos(tmp_path, suffix):
     path, rng = tmp_path / f"clip.{suffix}", random.Random(suffix)  # noqa: S311

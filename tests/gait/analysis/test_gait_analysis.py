@@ -178,6 +178,7 @@ def test_belt_that_speeds_up():
     )
 
 
+@pytest.mark.slow
 def test_belt_speed_in_another_unit_is_noticed():
     tables = analyse(Walk().tracks(), belt_speed=0.3)  # m/s where positions are mm
     assert any("check belt_speed and its unit" in note for note in tables.notes)
@@ -352,6 +353,7 @@ def test_frames_left_out_and_uneven_times():
     )
 
 
+@pytest.mark.slow
 def test_several_individuals_are_several_animals():
     a, b = Walk().tracks(), Walk(duty=0.75).tracks(seed=1)
     both = xr.concat([a, b.assign_coords(individual=["other"])], dim="individual")
@@ -371,6 +373,7 @@ def test_a_leg_that_is_never_seen_is_reported():
     assert set(tables.strides["leg"]) == {"FR", "HR", "FL"}
 
 
+@pytest.mark.slow
 def test_names_of_legs_may_differ_from_points():
     tracks = Walk().tracks().assign_coords(keypoint=["rf", "rh", "lf", "lh"])
     legs = {"FR": "rf", "HR": "rh", "FL": "lf", "HL": "lh"}
@@ -380,6 +383,7 @@ def test_names_of_legs_may_differ_from_points():
     assert len(analyse(tracks, trial=trial).strides) == len(tables.strides)
 
 
+@pytest.mark.slow
 def test_result_is_the_same_every_time():
     one, two = (analyse(Walk().tracks(noise=1.0), belt_speed=300.0) for _ in range(2))
     for name in ("events", "strides", "phases", "phase_summary", "dropped"):
@@ -449,6 +453,7 @@ def test_events_may_lack_what_can_be_filled_in():
     assert any("no pair of legs" in note for note in tables.notes)
 
 
+@pytest.mark.slow
 def test_written_events_give_the_same_strides():
     tables = analyse(Walk().tracks(noise=0.5), belt_speed=300.0)
     again = analyse_events(tables.events)

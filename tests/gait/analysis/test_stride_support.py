@@ -48,6 +48,7 @@ def test_one_leg_and_one_stride():
     assert strides["feet_down"].iloc[0] == pytest.approx(0.6, abs=0.05)
 
 
+@pytest.mark.slow
 def test_a_walk_on_three_feet_is_stable_and_a_trot_is_not():
     options = {"noise": 0.0, "duration": 3.0}
     walk = Walk(duty=0.85, phases=WALK_PHASES, period=0.5, speed=100.0).tracks(**options)

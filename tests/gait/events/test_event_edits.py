@@ -251,6 +251,7 @@ def test_notes_of_before_the_corrections_are_marked(tables, tmp_path):
     assert replay_event_edits(noted, path).notes == noted.notes
 
 
+@pytest.mark.slow
 def test_what_fits_no_event_any_more_is_left_out_and_said(tables, tmp_path):
     path = tmp_path / "event_edits.jsonl"
     log = EventEdits(tables, path)

@@ -112,6 +112,7 @@ def test_an_event_added_close_to_another_stays_beside_it(tmp_path):
     assert times == pytest.approx([0.0, 0.2, 0.4, 0.43, 0.6, 0.8, 1.0, 1.2])
 
 
+@pytest.mark.slow
 def test_times_beside_go_with_the_frame_rate(tmp_path):
     # 200 frames a second that were said to be 100: the same frames are at half the times
     path = edits(tmp_path, analyse(wrong=WRONG), *[delete(*one) for one in WRONG])

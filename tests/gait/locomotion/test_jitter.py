@@ -35,6 +35,7 @@ def test_strides_made_of_jitter_are_said():
     assert "FR, HR, FL, HL jitter from frame to frame by 1" in said[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("fps", "period"), [(100.0, 0.2), (120.0, 0.3), (120.0, 0.2)])
 def test_eight_percent_of_a_stride_are_said_too(fps, period):
     assert len(notes_of(0.08 * 300.0 * period, fps=fps, period=period)[1]) == 1

@@ -42,6 +42,7 @@ def filter_of_optcutfreq(runs, cutoff_hz, *, fs_hz, order):
     return float(np.sqrt(np.mean((filtfilt(*sections, run[:, 0]) - run[:, 0]) ** 2)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("column", "published", "best_acceleration"),
     # optcutfreq 0.0.10 on its own choice, and the cut-off with the smallest error of

@@ -142,6 +142,7 @@ def test_a_difference_that_is_the_same_in_every_animal():
     assert alike.note == "the legs differ by the same in every animal: no test"
 
 
+@pytest.mark.slow
 def test_longer_strides_of_one_leg_are_found_with_three_animals():
     # strides that vary by 20 %, one of four legs 25 % longer: Greenhouse-Geisser finds 0.6 of
     # 200 studies, benchmarks/few_animals.py

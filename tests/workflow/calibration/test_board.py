@@ -233,6 +233,7 @@ def test_squares_in_space_are_of_corners_counted_alike(tmp_path):
     assert np.abs(found.sides - 40.0).max() < 1.0  # mm; 200 where counted from two ends
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("counted", "marker"), [((6, 4), None), ((6, 4), 30.0), ((5, 7), 30.0)])
 def test_corners_counted_for_squares_are_said(tmp_path, counted, marker):
     board = Board(columns=7, rows=5, square=40.0, marker=marker)

@@ -21,6 +21,7 @@ from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.provenance.results import write_track_results
 
 
+@pytest.mark.slow
 def test_a_whole_trial_has_no_faults(rendered_trial):
     report = check_trial(rendered_trial)
     assert report.faults == []
@@ -128,6 +129,7 @@ def test_what_is_no_file_is_a_fault_at_once(small_trial, file, word, kind):
         assert word in fault
 
 
+@pytest.mark.slow
 def test_a_click_on_another_point_is_doubted(small_trial):
     lines = (small_trial / "start.csv").read_text().splitlines()
     row = next(k for k, line in enumerate(lines) if line.startswith("0,cam1,FR"))
@@ -138,6 +140,7 @@ def test_a_click_on_another_point_is_doubted(small_trial):
     assert doubt.startswith("start clicks of FR in frame 0 disagree between the views by ")
 
 
+@pytest.mark.slow
 def test_coefficients_that_show_one_view_mirrored_are_doubted(small_trial):
     coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
     below = np.append(coefs[8:11, 2], 1.0)
@@ -147,6 +150,7 @@ def test_coefficients_that_show_one_view_mirrored_are_doubted(small_trial):
     assert any("mirrored in cam3 and as it is in cam1, cam2, cam4" in one for one in doubts)
 
 
+@pytest.mark.slow
 def test_coefficients_in_the_order_of_other_views_are_doubted(small_trial):
     """Cameras on both sides, counted from the other end: clicks agree and all is turned round."""
     coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
@@ -198,6 +202,7 @@ def test_lenses_of_pictures_of_another_size_are_doubted(small_trial):
     )
 
 
+@pytest.mark.slow
 def test_left_paws_under_the_names_of_right_ones_are_doubted(small_trial):
     change(small_trial, "trial.toml", 'unit = "mm"\n', 'unit = "mm"\nup = [0, 0, -1]\n')
     (doubt,) = check_trial(small_trial).doubts
@@ -352,6 +357,7 @@ def test_cameras_of_pictures_of_another_size_are_doubted(rendered_trial, tmp_pat
     assert "the video of that view has 410 x 140" in doubt
 
 
+@pytest.mark.slow
 def test_one_film_given_for_two_views_is_doubted(small_trial):
     """A copy under another name: every view was fine, and so was the trial."""
     shutil.copy(small_trial / "cam1.avi", small_trial / "cam2.avi")
@@ -405,6 +411,7 @@ def test_a_film_that_looks_interlaced_though_it_does_not_say_so_is_doubted(small
     assert "ffmpeg -i IN -vf bwdif=mode=send_field" in said
 
 
+@pytest.mark.slow
 def test_two_points_clicked_on_one_place_are_doubted(small_trial):
     clicks = pd.read_csv(small_trial / "start.csv")
     places = clicks.set_index(["view", "point"])

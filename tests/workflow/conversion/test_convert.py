@@ -120,6 +120,7 @@ def test_each_view_gets_a_file_where_a_format_holds_one(tmp_path, capsys):
     )
 
 
+@pytest.mark.slow
 def test_one_animal_of_several(tmp_path):
     tracks = make_tracks(range(2), ["FR"], fps=50.0, space=("x", "y", "z"))
     tracks = tracks.isel(individual=[0, 0]).copy(deep=True).assign_coords(individual=["a", "b"])

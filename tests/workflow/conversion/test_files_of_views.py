@@ -225,6 +225,7 @@ def test_check_and_gait_take_a_file_a_view(tmp_path, capsys):
     assert "b.csv: no such tracks; check [tracks] file." in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_what_pawnb_tracked_is_shown_in_the_views_that_did_not_track_it(small_trial):
     # a point that two of four views track; the others get it from its place in space
     trial = load_trial(small_trial)

@@ -76,6 +76,7 @@ def test_the_grid_of_the_rendered_panel(spider):
     assert found.px_per_unit == pytest.approx(2.42, rel=5e-3)
 
 
+@pytest.mark.slow
 def test_parameters_are_those_of_the_trial_and_recorded(proposal, spider):
     assert proposal.parameters["noise_sds"] == 4.0
     trial = load_trial(spider)

@@ -239,6 +239,7 @@ def test_second_start_frame_is_followed(make_scene):
     assert not (tracks["image_origin"][2:] == EDITED).any()
 
 
+@pytest.mark.slow
 def test_retracking_keeps_what_is_before_and_resets_what_follows(make_scene):
     scene = make_scene(n_frames=30)
     tracks = track(scene)
@@ -265,6 +266,7 @@ def test_retracking_keeps_what_is_before_and_resets_what_follows(make_scene):
     assert image_error(again, scene)[10:14, :, 1].min() > 20.0
 
 
+@pytest.mark.slow
 def test_retracking_without_a_correction_changes_next_to_nothing(make_scene):
     """The filters are taken over the rows before, so that points left alone go on as before."""
     scene = make_scene(n_frames=30)
@@ -290,6 +292,7 @@ def test_retracking_learns_colours_where_points_were_last_placed_by_hand(make_sc
     assert learnt == [0, 5]
 
 
+@pytest.mark.slow
 def test_retracking_holds_positions_placed_by_hand_later_on(make_scene):
     scene = make_scene()
     tracks = track(scene)

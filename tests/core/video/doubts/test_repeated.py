@@ -53,6 +53,7 @@ def write(path, pictures, order, *, crf=None):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("crf", [None, 23])
 def test_a_film_that_stands_still_while_the_animal_goes_on_is_found(tmp_path, crf):
     path = tmp_path / ("film.avi" if crf is None else "film.mp4")

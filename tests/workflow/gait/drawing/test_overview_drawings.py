@@ -26,6 +26,7 @@ def tables(n=2):
     return pool(parts)
 
 
+@pytest.mark.slow
 def test_joints_are_compared_where_there_are_groups():
     groups = {("m0", "t1"): "a", ("m1", "t1"): "b"}
     alone = {"phase_density", "measure_heat_map", "measure_components"}

@@ -59,6 +59,7 @@ def tips(fitter, vectors):
     return np.array([fitter.joints(v)[:, -1] for v in vectors])
 
 
+@pytest.mark.slow
 def test_a_leg_laid_along_a_longer_one_comes_back(scene):
     fitter, true, found = scene
     path, lengths = true.copy(), fitter.index.numbers[LEG][5:]

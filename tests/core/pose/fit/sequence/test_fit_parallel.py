@@ -38,6 +38,7 @@ def test_where_one_way_fails_the_other_ends_soon(fails):
         side_by_side(*work, steps)
 
 
+@pytest.mark.slow
 def test_where_telling_fails_while_one_way_waits_the_other_ends_soon():
     def broken(*_):
         raise KeyboardInterrupt

@@ -33,6 +33,7 @@ def test_an_animal_that_runs_on_the_spot_stays(film_animal):
     assert not found.angle.any()
 
 
+@pytest.mark.slow
 def test_an_animal_that_crosses_the_picture_is_followed(film_animal):
     centre = np.stack([35 + 150 * T, np.full(N, 60.0)], axis=-1)
     angle = np.zeros(N)
@@ -68,6 +69,7 @@ def test_while_it_rests_the_frame_is_held(film_animal):
     assert len(np.unique(found.centre[:18], axis=0)) > 12
 
 
+@pytest.mark.slow
 def test_frames_in_which_a_part_was_clicked_do_not_move_it(film_animal):
     """Head in one, rump in the other: their middles lie an extent apart on the body."""
     centre = np.stack([35 + 150 * T, np.full(N, 60.0)], axis=-1)

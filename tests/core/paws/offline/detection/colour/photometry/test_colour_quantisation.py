@@ -58,6 +58,7 @@ def test_colours_that_share_a_usual_bin_have_shades_of_their_own():
     assert fine[10, 5] != fine[10, 35]
 
 
+@pytest.mark.slow
 def test_finer_steps_are_taken_only_where_paws_look_like_the_belt():
     assert learn([picture(GREEN)[0]], [AT], around_px=15).fine_colours is None
     assert learn([picture(BELT)[0]], [AT], around_px=15).fine_colours is not None
