@@ -168,7 +168,7 @@ def find_body(
                 feet, others, settings, forward=direction, frequency_hz=guess, fs_hz=fs
             )
             notes += _say_path(feet, seen_from, others)
-    notes += doubt_up(feet, path, up=find_up(trial, feet), treadmill=treadmill)
+    notes += doubt_up(feet, path, up=find_up(trial, feet), treadmill=treadmill, forward=direction)
     given = _Given(
         feet=feet, trial=trial, body=body, others=others, direction=direction, path=seen_from, fs=fs
     )

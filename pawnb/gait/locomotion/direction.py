@@ -181,7 +181,12 @@ def _doubt_forward(feet: FootPaths, forward: FloatArray, from_feet: FloatArray) 
 
 
 def doubt_up(
-    feet: FootPaths, path: FloatArray, *, up: FloatArray | None, treadmill: bool
+    feet: FootPaths,
+    path: FloatArray,
+    *,
+    up: FloatArray | None,
+    treadmill: bool,
+    forward: FloatArray | None = None,
 ) -> list[str]:
     """Say where feet are lifted, or the animal goes, along another direction than they can.
 
@@ -195,6 +200,9 @@ def doubt_up(
         Upwards; None in a picture, of which nothing is said.
     treadmill : bool
         Whether the animal runs in one place.
+    forward : ndarray, shape (d,), optional
+        Towards the front, as :func:`choose_direction` gives it. Where the feet of an animal that
+        runs in one place seem to swing the other way, nothing is said of how they are lifted.
 
     Returns
     -------
@@ -206,7 +214,7 @@ def doubt_up(
     places = feet.positions - path[:, :, None]
     way = main_axis(places - np.nanmean(places, axis=0)) if treadmill else _way(path)
     notes = [] if treadmill or way is None else _doubt_level(feet, way, up)
-    lift = _lift(feet, places, path, way=way, treadmill=treadmill)
+    lift = _lift(feet, places, path, way=way, treadmill=treadmill, forward=forward)
     if lift is None:
         return notes
     aside_deg = float(np.degrees(np.arccos(np.clip(lift @ up / np.linalg.norm(lift), -1.0, 1.0))))
@@ -252,11 +260,13 @@ def _lift(
     *,
     way: FloatArray | None,
     treadmill: bool,
+    forward: FloatArray | None,
 ) -> FloatArray | None:
     """Return from where to where feet are lifted in swing, the mean of legs; None if hardly so."""
     if treadmill and way is not None:
         front = swing_direction(feet.positions, fs_hz=1.0)
-        if abs(way @ front) <= 0.7:  # which end of it is in front cannot be told
+        against = forward is not None and forward.ndim == 1 and forward @ front < 0.0
+        if against or abs(way @ front) <= 0.7:  # which end of it is in front cannot be told
             return None
         swings = np.diff(np.einsum("ndk,d->nk", places, way * np.sign(way @ front)), axis=0) > 0.0
     else:  # on the ground a foot in swing is faster than the body, and one in stance slower

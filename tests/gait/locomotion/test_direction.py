@@ -50,6 +50,16 @@ def test_feet_that_are_lifted_downwards_are_said():
     assert not [n for n in notes_of(Walk().tracks()) if "lower in swing" in n]
 
 
+@pytest.mark.slow
+def test_where_feet_seem_to_swing_backwards_nothing_is_said_of_how_they_are_lifted():
+    """Either the direction is wrong, or too few frames hide what is swing: up comes after it."""
+    below = Walk().tracks()
+    below["position"].loc[{"space": "z"}] *= -1.0
+    notes = notes_of(below, forward=(-1.0, 0.0, 0.0))
+    assert [n for n in notes if "the feet swing fastest backwards" in n]
+    assert not [n for n in notes if "lower in swing" in n or "of up" in n]
+
+
 def turned(tracks, rotation):
     """Tracks in the axes of a camera, as of Anipose without an origin that was set."""
     places = tracks["position"].to_numpy()
