@@ -121,9 +121,9 @@ def _is_behind(behind: str, leg: str) -> bool:
 
 def _spans(strides: pd.DataFrame, animal: object, trial: object, leg: str) -> FloatArray:
     """Return start and end of the strides of one leg in one trial, shape (n, 2), in order."""
-    own = strides[
-        (strides["leg"] == leg) & (strides["animal"] == animal) & (strides["trial"] == trial)
-    ].sort_values("start_s")
+    # names that are numbers come back from a csv as such
+    names = strides[["leg", "animal", "trial"]].astype(str)
+    own = strides[(names == [leg, str(animal), str(trial)]).all(axis=1)].sort_values("start_s")
     start = own["start_s"].to_numpy(dtype=float)
     return np.column_stack((start, start + own["period_s"].to_numpy(dtype=float)))
 

@@ -51,8 +51,10 @@ def phases_at_speeds(
     check_columns(phases, PHASES_COLUMNS, where="phases")
     check_columns(strides, ("animal", "trial", "leg", "stride", speed), where="strides")
     keys = ["animal", "trial", "reference", "stride"]
-    base = strides.rename(columns={"leg": "reference"})[[*keys, speed]]
-    found = phases[list(PHASES_COLUMNS)].merge(base.rename(columns={speed: "speed"}), on=keys)
+    base = strides.rename(columns={"leg": "reference", speed: "speed"})[[*keys, "speed"]]
+    # names that are numbers come back from a csv as such
+    words = {"animal": str, "trial": str}
+    found = phases[list(PHASES_COLUMNS)].astype(words).merge(base.astype(words), on=keys)
     found = found[np.isfinite(found["speed"].to_numpy(dtype=float))].reset_index(drop=True)
     if found.empty:
         raise InputError(

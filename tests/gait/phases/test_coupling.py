@@ -73,6 +73,16 @@ def test_a_leg_that_waits_for_the_one_behind_obeys():
     assert breaking.loc["L2", "n_protractions"] > 15
 
 
+def test_names_that_are_numbers_are_the_same_in_events_and_strides():
+    """A csv of strides that is read again has animal 1 as a number."""
+    events = walk(0.45).assign(animal="1", trial="7")
+    strides = pd.DataFrame({"animal": 1, "trial": 7, "leg": "L3", "start_s": np.arange(20.0)})
+    strides = strides.assign(period_s=1.0)
+    (as_numbers,) = support_rule(events, strides=strides)["n_protractions"]
+    words = strides.astype({"animal": str, "trial": str})
+    assert as_numbers == support_rule(events, strides=words)["n_protractions"].item() > 15
+
+
 def test_a_trial_scored_by_contact_counts_beside_one_scored_by_position():
     positions = walk(0.45)
     contacts = walk(0.45).assign(animal="b").replace({"AEP": "TD", "PEP": "LO"})

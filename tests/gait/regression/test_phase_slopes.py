@@ -49,6 +49,16 @@ def test_the_slope_is_the_mean_of_the_animals_slopes():
     assert "one animal" in one["note"]
 
 
+def test_names_that_are_numbers_are_the_same_in_phases_and_strides():
+    """A csv of strides that is read again has animal 1 as a number."""
+    phases, strides = study(np.random.default_rng(0), shift=0.2)
+    names = {"m0": 0, "m1": 1, "m2": 2, "m3": 3, "m4": 4, "m5": 5}
+    numbers = strides.assign(animal=strides["animal"].map(names))
+    words = phases.assign(animal=phases["animal"].map(names).astype(str))
+    table, as_named = phase_speed_table(words, numbers), phase_speed_table(phases, strides)
+    pd.testing.assert_frame_equal(table, as_named)
+
+
 @pytest.mark.slow
 def test_a_shift_within_animals_is_found_where_their_means_show_none():
     # 60 studies of six animals at the same three speeds: means of animals have one speed
