@@ -21,12 +21,14 @@ w""")
 
 
 def watch(notebook):
-    """Keep which frames are painted from now on."""
+    """Keep which frames are painted from now on, also two that are painted in one refresh."""
     notebook.page.evaluate(
         """() => { const c = document.querySelector('.pawnb-root')._pawnb;
-        window.seen = [];
-        (function look() { if (window.seen.at(-1) !== c.painted) window.seen.push(c.painted);
-            requestAnimationFrame(look); })(); }"""
+        let painted = c.painted;
+        window.seen = [painted];
+        Object.defineProperty(c, 'painted', { configurable: true, get: () => painted,
+            set: (frame) => { painted = frame;
+                if (window.seen.at(-1) !== frame) window.seen.push(frame); } }); }"""
     )
 
 

@@ -266,8 +266,8 @@ class Frames {
     let due = -Infinity; // when the next frame should come, ms
     const tick = (now) => {
       if (!this.playing || this.closed) return;
-      // playing waits for each frame; one that came late is not made up for
-      if (this.shown === this.want && now >= due - 4) {
+      // playing waits for each frame to be painted; one that came late is not made up for
+      if (this.shown === this.want && this.host.painted === this.shown && now >= due - 4) {
         const each = 1000 / this.speed;
         due = Math.max(due + each, now); // not from now on: screens are drawn at times of their own
         if (!this.next()) return this.play(false);
