@@ -165,7 +165,8 @@ class KeptStacks:
         with self._lock:
             self._stacks.pop((*names, frames, parameters), None)
             self._stacks[*names, frames, parameters] = _Kept(stacks)
-            self._make_room()
+            while self._is_full():
+                del self._stacks[next(iter(self._stacks))]
 
     def evidence(self, stacks: Sequence[BodyStack], asked: str) -> Mapping[str, PointEvidence]:
         """Return what the points were found by in some stacks, view by view, if it is kept.
@@ -185,7 +186,7 @@ class KeptStacks:
     def keep_evidence(
         self, stacks: Sequence[BodyStack], asked: str, found: Mapping[str, PointEvidence]
     ) -> None:
-        """Keep what the points were found by, beside their stacks, if these are kept.
+        """Keep what the points were found by, beside their stacks, if these are kept and it fits.
 
         Parameters
         ----------
@@ -204,7 +205,8 @@ class KeptStacks:
                 before = kept.evidence
                 now = {view: before[view].updated(own) for view, own in now.items()}
             self._stacks[key] = _Kept(kept.stacks, asked, now)
-            self._make_room()
+            if self._is_full():  # pictures take longer to be had again
+                self._stacks[key] = _Kept(kept.stacks)
 
     def _key_of(self, stacks: Sequence[BodyStack]) -> tuple[object, ...] | None:
         """Return under what just these stacks are kept, if they are."""
@@ -213,9 +215,8 @@ class KeptStacks:
                 return key
         return None
 
-    def _make_room(self) -> None:
-        while sum(kept.nbytes for kept in self._stacks.values()) > self._most_bytes:
-            del self._stacks[next(iter(self._stacks))]
+    def _is_full(self) -> bool:
+        return sum(kept.nbytes for kept in self._stacks.values()) > self._most_bytes
 
 
 def same_size(before: Sequence[Annotations], now: Sequence[Annotations]) -> bool:

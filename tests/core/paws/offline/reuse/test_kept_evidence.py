@@ -147,8 +147,9 @@ def test_evidence_of_points_is_kept_with_its_stacks_and_for_the_same_request(mak
     stacks.keep(["side"], [stack], frames=(0, 4), parameters=SCENE)  # read anew
     assert not stacks.evidence([stack], "these points")
     many = {p: np.ones((4, 15, 22), np.float32) for p in range(5)}
-    stacks.keep_evidence([stack], "", {"side": dataclasses.replace(evidence, looks=many)})
-    assert stacks.find(["side"], [Annotations({})], frames=(0, 4), parameters=SCENE) is None
+    stacks.keep_evidence([stack], "many", {"side": dataclasses.replace(evidence, looks=many)})
+    assert not stacks.evidence([stack], "many")  # no room for it, but for the pictures
+    assert stacks.find(["side"], [Annotations({})], frames=(0, 4), parameters=SCENE) == [stack]
 
 
 def test_no_more_is_kept_than_there_is_room_for(make_stack):
