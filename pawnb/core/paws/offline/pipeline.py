@@ -323,8 +323,9 @@ class _Work:
         )  # fmt: skip
         points = {p: PointTrack(found, signs[p]) for p, found in self.estimates.items()}
         evidence = PointEvidence(
-            self.begin, self.end, self.whole.annotations, self.followed, self.correlated, self.looks
-        )
+            self.begin, self.end, self.whole.annotations, self.followed, self.correlated,
+            self.looks, dict.fromkeys(self.looks, (self.begin, self.end)),
+        )  # fmt: skip
         return ViewResult(points, self.learnt, evidence)
 
     def _correlate(self) -> None:

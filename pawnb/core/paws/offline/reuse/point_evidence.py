@@ -33,6 +33,8 @@ class PointEvidence:
         By flow from clicks, and by patches about them; rows are counted from ``begin``.
     looks : mapping
         Point to ratios of likelihoods (end - begin, h, w) by appearance; float16 saves memory.
+    spans : mapping
+        Point to the rows in which all of this was found by its present clicks.
     """
 
     begin: int
@@ -41,6 +43,7 @@ class PointEvidence:
     followed: Detections
     correlated: Detections
     looks: Mapping[int, np.ndarray]
+    spans: Mapping[int, tuple[int, int]]
 
     @property
     def nbytes(self) -> int:
@@ -62,10 +65,9 @@ class PointEvidence:
         rows : tuple of int
             First row that is asked for and one past the last.
         """
-        if not self.begin <= rows[0] < rows[1] <= self.end:
+        same = self._found_by(clicks, rows)
+        if not same:
             return None
-        same = [p for p in self.looks if _has_all(self.clicks, clicks, p)]
-        same = [p for p in same if _has_all(clicks, self.clicks, p)]
         begin, end = rows[0] - self.begin, rows[1] - self.begin
         return PointEvidence(
             *rows,
@@ -73,13 +75,14 @@ class PointEvidence:
             self.followed.of(same).part(begin, end),
             self.correlated.of(same).part(begin, end),
             {p: self.looks[p][begin:end].astype(np.float32) for p in same},
+            dict.fromkeys(same, rows),
         )
 
     def updated(self, new: PointEvidence) -> PointEvidence:
         """Return it with what was found later in some of its rows.
 
-        A point that has lost a click since is known in no row: what was found elsewhere may be
-        owed to that click.
+        A point that was clicked anew since is known in these rows only: what was found elsewhere
+        knows nothing of that click, or may be owed to one that was taken back.
 
         Parameters
         ----------
@@ -88,20 +91,33 @@ class PointEvidence:
         """
         if not self.begin <= new.begin < new.end <= self.end:
             return new
-        points = [p for p in self.looks if p in new.looks and _has_all(new.clicks, self.clicks, p)]
-        begin, end = new.begin - self.begin, new.end - self.begin
-        looks = {}
-        for p in points:
-            looks[p] = self.looks[p].copy()
-            looks[p][begin:end] = new.looks[p]
-        return PointEvidence(
-            self.begin,
-            self.end,
-            new.clicks,
-            _replaced(self.followed.of(points), new.followed.of(points), begin, end),
-            _replaced(self.correlated.of(points), new.correlated.of(points), begin, end),
-            looks,
+        rows = (new.begin, new.end)
+        kept = self._found_by(new.clicks, rows)
+        fresh = [p for p in new.looks if p not in kept]
+        looks = {p: self.looks[p] for p in kept}
+        begin, n = new.begin - self.begin, self.end - self.begin
+        for p in fresh:
+            looks[p] = np.zeros((n, *new.looks[p].shape[1:]), new.looks[p].dtype)
+            looks[p][begin : begin + len(new.looks[p])] = new.looks[p]
+        followed, correlated = (
+            old.of(kept).joined(found.of(fresh).moved(begin))
+            for old, found in (
+                (self.followed, new.followed),
+                (self.correlated, new.correlated),
+            )
         )
+        spans = {p: self.spans[p] for p in kept} | dict.fromkeys(fresh, rows)
+        return PointEvidence(self.begin, self.end, new.clicks, followed, correlated, looks, spans)
+
+    def _found_by(self, clicks: Annotations, rows: tuple[int, int]) -> list[int]:
+        """Return the points of which all rows were found by just these clicks."""
+        return [
+            p
+            for p, (begin, end) in self.spans.items()
+            if begin <= rows[0] < rows[1] <= end
+            and _has_all(self.clicks, clicks, p)
+            and _has_all(clicks, self.clicks, p)
+        ]
 
 
 def _has_all(here: Annotations, those: Annotations, point: int) -> bool:
@@ -112,9 +128,3 @@ def _has_all(here: Annotations, those: Annotations, point: int) -> bool:
         and np.abs(here.places[row][point] - those.places[row][point]).max() < _SAME_PX
         for row in those.rows_of(point)
     )
-
-
-def _replaced(old: Detections, new: Detections, begin: int, end: int) -> Detections:
-    """Return detections with others in the rows from ``begin`` up to ``end``."""
-    last = int(old.row.max(initial=0)) + 1
-    return old.part(0, begin).joined(new.moved(begin)).joined(old.part(end, last).moved(end))

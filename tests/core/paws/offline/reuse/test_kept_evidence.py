@@ -137,7 +137,7 @@ def test_evidence_of_points_is_kept_with_its_stacks_and_for_the_same_request(mak
     stack = make_stack(np.zeros((4, 60, 90), np.uint8))
     none = Detections(*(np.empty(0, int),) * 2, np.empty((0, 2)), *(np.empty(0),) * 2)
     looks = {0: np.ones((4, 15, 22), np.float32)}
-    evidence = PointEvidence(0, 4, Annotations({}), none, none, looks)
+    evidence = PointEvidence(0, 4, Annotations({}), none, none, looks, {0: (0, 4)})
     stacks = KeptStacks(most_bytes=60_000)  # stack and flow have 50400 bytes, looks 2640
     stacks.keep(["side"], [stack], frames=(0, 4), parameters=SCENE)
     stacks.keep_evidence([stack], "these points", {"side": evidence})

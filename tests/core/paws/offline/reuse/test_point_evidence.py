@@ -29,7 +29,8 @@ def found_in(begin, end, placed, value):
     filled = np.full(len(row), float(value))
     detections = Detections(row, point, np.stack([filled, filled], 1), filled, filled)
     looks = {p: np.full((end - begin, 3, 4), value, np.float32) for p in (FR, HR)}
-    return PointEvidence(begin, end, placed, detections, detections, looks)
+    spans = dict.fromkeys(looks, (begin, end))
+    return PointEvidence(begin, end, placed, detections, detections, looks, spans)
 
 
 def values_of(evidence, point):
@@ -69,21 +70,29 @@ def test_nothing_is_known_of_other_rows(rows):
     assert found_in(2, 8, FIRST, 3).unchanged(FIRST, rows) is None
 
 
-def test_what_is_found_later_takes_the_place_of_what_was_found_in_its_rows():
-    more = clicks((2, FR, 10), (2, HR, 20), (4, FR, 9))
-    now = found_in(0, 10, FIRST, 3).compact().updated(found_in(4, 7, more, 5))
-    expected = {row: 5.0 if 4 <= row < 7 else 3.0 for row in range(10)}
-    assert values_of(now, FR) == expected
-    assert list(now.unchanged(more, (0, 10)).looks) == [FR, HR]
+MORE = clicks((2, FR, 10), (2, HR, 20), (4, FR, 9))
 
 
-def test_a_point_that_lost_a_click_is_known_nowhere():
-    """What was found elsewhere may be owed to the click that was taken back."""
-    more = clicks((2, FR, 10), (2, HR, 20), (4, FR, 9))
-    undone = found_in(0, 10, FIRST, 3).updated(found_in(4, 7, more, 5))
+def test_a_point_that_was_clicked_anew_is_known_where_it_was_followed_anew():
+    now = found_in(0, 10, FIRST, 3).compact().updated(found_in(4, 7, MORE, 5))
+    assert values_of(now.unchanged(MORE, (4, 7)), FR) == dict.fromkeys([4, 5, 6], 5.0)
+    assert values_of(now.unchanged(MORE, (4, 7)), HR) == dict.fromkeys([4, 5, 6], 3.0)
+
+
+@pytest.mark.parametrize("rows", [(2, 7), (0, 4), (4, 10)])
+def test_elsewhere_it_has_to_be_followed_from_that_click_too(rows):
+    """Of two corrections the later one was tracked again first, or another point further back."""
+    now = found_in(0, 10, FIRST, 3).updated(found_in(4, 7, MORE, 5))
+    assert list(now.unchanged(MORE, rows).looks) == [HR]
+    again = now.updated(found_in(*rows, MORE, 6))
+    assert values_of(again.unchanged(MORE, rows), FR) == dict.fromkeys(range(*rows), 6.0)
+
+
+def test_a_click_that_was_taken_back_leaves_nothing_of_itself():
+    undone = found_in(0, 10, FIRST, 3).updated(found_in(4, 7, MORE, 5))
     now = undone.updated(found_in(7, 9, FIRST, 6))
-    assert list(now.looks) == [HR]
-    assert values_of(now, HR)[5] == 5.0
+    assert list(now.unchanged(FIRST, (4, 7)).looks) == [HR]
+    assert values_of(now.unchanged(FIRST, (7, 9)), FR) == {7: 6.0, 8: 6.0}
 
 
 def test_evidence_of_rows_that_were_not_known_is_kept_alone():
