@@ -24,13 +24,13 @@ def rig():
     return Rig(tuple(f"cam{i + 1}" for i in range(4)), coefs)
 
 
-def walking(rig, *, points=5, noise_px=0.5, clicked_px=1.0, early=0.0, view=0, seed=0):
-    """Where feet that go to and fro are seen: (FRAMES, points, V, 2)."""
+def walking(rig, *, points=5, noise_px=0.5, clicked_px=1.0, early=0.0, view=0, seed=0, onward=0.0):
+    """Where feet that go to and fro, mm onward a frame, are seen: (FRAMES, points, V, 2)."""
     rng = np.random.default_rng(seed)
     phase = np.arange(points) / points
 
     def places(at):
-        x = 25.0 * np.sin(2 * np.pi * (at[:, None] / 40 + phase))
+        x = 25.0 * np.sin(2 * np.pi * (at[:, None] / 40 + phase)) + onward * (at[:, None] - 60)
         z = 3.0 + 3.0 * np.cos(2 * np.pi * (at[:, None] / 40 + phase))
         y = np.broadcast_to(np.linspace(-15, 15, points), x.shape)
         return np.stack([x + np.linspace(-30, 30, points), y, z], axis=-1)
@@ -112,6 +112,18 @@ def test_a_view_that_is_half_a_frame_before_or_after_the_others_is_said(rig, ear
     assert lagging.lag_frames == pytest.approx(-early, abs=0.1)
     assert lagging.lag_ms == pytest.approx(-early / FPS * 1e3, abs=0.5)
     assert ("earlier" if early > 0 else "later") in lagging.sentence
+
+
+@pytest.mark.parametrize("early", [0.5, -0.5])
+def test_what_a_lag_puts_aside_in_an_animal_that_goes_on_is_no_moved_camera(rig, early):
+    uv = walking(rig, early=early, view=1, onward=4.0)
+    (lagging,) = found_in(uv, rig)
+    assert isinstance(lagging, LaggingView)
+    uv[:, :, 1] += (0.0, 8.0)
+    moved, lagging = found_in(uv, rig)
+    assert moved.views == (rig.names[1],)
+    assert moved.offset_px == pytest.approx(8.0, abs=2.0)
+    assert lagging.view == rig.names[1]
 
 
 def test_what_cannot_be_told_is_not_said(rig):
