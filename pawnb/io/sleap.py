@@ -205,7 +205,6 @@ def _ordered(
 
 def _read_labels(file: h5py.File, where: str) -> _Read:
     """Read a .slp: tables of frames, instances and points."""
-    points, version = _skeleton(file, where)
     names = read_texts(file, "tracks_json", where=where)
     individuals = [_track_name(text, where) for text in names]
     frames, instances, user, predicted = (
@@ -214,6 +213,7 @@ def _read_labels(file: h5py.File, where: str) -> _Read:
     )
     _check_one(frames, "video", "videos", where)
     _check_one(instances, "skeleton", "skeletons", where)
+    points, version = _skeleton(file, _own_skeleton(instances), where)
     # labels are kept in the order in which they were made
     numbers = check_frames(np.sort(frames["frame_idx"]), where=where)
     of_frame = dict(zip(frames["frame_id"].tolist(), frames["frame_idx"].tolist(), strict=True))
@@ -274,8 +274,13 @@ def _positions(own: np.ndarray, version: float) -> FloatArray:
     return uv if version >= _CENTRED else uv - 0.5
 
 
-def _skeleton(file: h5py.File, where: str) -> tuple[list[str], float]:
-    """Return the names of the nodes in their order, and the version of the file."""
+def _own_skeleton(instances: np.ndarray) -> int:
+    """Return which skeleton of the file its instances are of: a project may hold others."""
+    return int(instances["skeleton"][0]) if len(instances) else 0
+
+
+def _skeleton(file: h5py.File, own: int, where: str) -> tuple[list[str], float]:
+    """Return the names of the nodes of a skeleton in their order, and the version of the file."""
     group = file.get("metadata")
     if not isinstance(group, h5py.Group):
         raise InputError(f"{where}: no metadata; expected {_EXPECTED}.")
@@ -288,8 +293,8 @@ def _skeleton(file: h5py.File, where: str) -> tuple[list[str], float]:
     said = _from_json(read_attribute(group, "json", where=where), where)
     try:
         nodes = [str(node["name"]) for node in said["nodes"]]
-        own = said["skeletons"][-1]["nodes"]
-        return [nodes[int(node["id"])] for node in own], version
+        listed = said["skeletons"][own]["nodes"]
+        return [nodes[int(node["id"])] for node in listed], version
     except (KeyError, TypeError, IndexError, ValueError):
         raise InputError(f"{where}: damaged, it does not name the nodes of its skeleton.") from None
 
@@ -302,7 +307,8 @@ def _video_and_edges(file: h5py.File, where: str) -> dict[str, Any]:
     try:
         said = _from_json(read_attribute(file["metadata"], "json", where=where), where)
         nodes = [str(node["name"]) for node in said["nodes"]]
-        links = said["skeletons"][-1].get("links", [])
+        skeleton = said["skeletons"][_own_skeleton(file["instances"][:])]
+        links = skeleton.get("links", [])
         edges = [[nodes[int(link["source"])], nodes[int(link["target"])]] for link in links]
         videos = [_from_json(text, where) for text in read_texts(file, "videos_json", where=where)]
         own = videos[int(file["frames"]["video"][0])] if len(videos) > 1 else videos[0]
