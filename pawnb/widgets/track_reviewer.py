@@ -165,7 +165,8 @@ class TrackReviewer(Comparing, Questions):
             does=("swap", "interpolate", "hide", "delete", *_AGAIN[:1] * self._tracks_again),
         )
         self._show_comparison()
-        self._show_state(self._opening_notes(folder))
+        self._opening = self._opening_notes(folder)
+        self._show_state(self._opening)
 
     @classmethod
     def of_file(
@@ -174,7 +175,8 @@ class TrackReviewer(Comparing, Questions):
         """Review another program's tracks over their videos, and write them back as they were made.
 
         *Save* writes ``corrected_<name>`` beside the file, in its format; what nobody touched
-        stays as it was, bit by bit. Corrections are in ``<name>.edits.jsonl``.
+        stays as it was, bit by bit. Corrections are in ``<name>.edits.jsonl``. Where frames or
+        places do not fit the videos, it is said as the review opens.
 
         Parameters
         ----------
@@ -203,12 +205,15 @@ class TrackReviewer(Comparing, Questions):
         file = foreign.path
         target = GuardedFile(corrected_file(file))
         options = {"edits": file.with_name(f"{file.name}.edits.jsonl"), **options}
-        return cls(
+        review = cls(
             foreign.trial,
             foreign.tracks,
             write=lambda tracks: foreign.write(tracks, target),
             **options,
         )
+        if doubts := foreign.doubts():
+            review._show_state(" ".join(["Note:", *doubts, review._opening]).rstrip())
+        return review
 
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame."""

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 import small_trial as scene
@@ -121,6 +122,30 @@ def test_nothing_is_tracked_again_in_tracks_of_another_program(videos, tmp_path)
     assert not {"retrack", "learn"} & {action["id"] for action in widget.actions}
     assert widget.span == [0, FRAMES - 1]
     widget.close()
+
+
+def test_tracks_that_do_not_fit_the_film_are_said_as_they_are_opened(tmp_path):
+    """They were shown, cut to its frames and off its pictures, without a word."""
+    film = tmp_path / "clip.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter.fourcc(*"MJPG"), 100, (160, 120))
+    for i in range(FRAMES):
+        writer.write(np.full((120, 160, 3), i, np.uint8))
+    writer.release()
+
+    def status(name, frames, zoom=1.0):
+        places = [f"{i},{zoom * 50:.1f},{zoom * 60:.1f},0.9" for i in frames]
+        head = ["scorer,net,net,net", "bodyparts,FR,FR,FR", "coords,x,y,likelihood"]
+        (tmp_path / name).write_text("\n".join([*head, *places]) + "\n")
+        widget = TrackReviewer.of_file(tmp_path / name, film, fps=100.0)
+        widget.close()
+        return widget.status
+
+    assert "Note" not in status("fits.csv", range(FRAMES))
+    said = status("long.csv", range(2 * FRAMES))
+    assert said.startswith("Note: long.csv: frames up to 23, and the film of view 'view' has 12")
+    assert "Where only one picture in 2 was tracked" in status("half.csv", range(FRAMES // 2))
+    said = status("big.csv", range(FRAMES), zoom=4.0)
+    assert "100% of the places lie outside of the pictures of view 'view', which have 160" in said
 
 
 @pytest.mark.parametrize(

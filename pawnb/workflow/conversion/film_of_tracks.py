@@ -91,7 +91,8 @@ def _on_frames(trial: Trial, view: View, tracks: Tracks, reader: ViewReader) -> 
             f"frames {first} to {last}, and {film}. Where only one picture in {every:.3g} was "
             f"tracked, and these were numbered anew, frequencies and speeds are {every:.3g} times "
             f"too high: then fps = {trial.fps / every:.4g} is right. Where only the beginning of "
-            f"the film was tracked, say so: frames = [{first}, {last + 1}] below [trial]."
+            f"the film was tracked, a trial.toml says so: frames = [{first}, {last + 1}] below "
+            "[trial]."
         )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +13,7 @@ from pawnb.files import GuardedFile
 from pawnb.io.formats import find_entry, read_any_tracks, recognise_format, write_any_tracks
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 from pawnb.trial import Animal, Trial, View
+from pawnb.workflow.conversion.film_of_tracks import doubt_film_of_tracks
 
 CORRECTED = "corrected_"
 """What names of corrected files begin with; the rest is that of the file they came from."""
@@ -79,6 +80,17 @@ class ForeignTracks:
             new["confidence"].to_numpy()[row, point, who] = sure[row, view, point]
             new["origin"].to_numpy()[row, point, who] = whence
         return new
+
+    def doubts(self) -> list[str]:
+        """Say where the file does not fit the videos, as ``pawnb check`` does of a trial.
+
+        Returns
+        -------
+        list of str
+            See :func:`~pawnb.workflow.conversion.film_of_tracks.doubt_film_of_tracks`.
+        """
+        as_made = replace(self.trial, kind="tracks", tracks_file=self.path.name)
+        return doubt_film_of_tracks(as_made, self.tracks)
 
     def write(self, tracks: Tracks, out: GuardedFile) -> list[Path]:
         """Write corrected tracks in the format of the file they came from.
