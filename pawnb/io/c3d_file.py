@@ -9,20 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from pawnb.errors import InputError, InputWarning
+from pawnb.errors import InputError
 from pawnb.files import read_bytes, write_whole
-from pawnb.input_warnings import hide_warnings_of, warn_of_input
+from pawnb.input_warnings import hide_warnings_of
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import HDF5_FAULTS
-from pawnb.io.lengths import units_per_unit
+from pawnb.io.lengths import short_unit, tell_no_unit, units_per_unit
 from pawnb.io.outgoing import take_space
-from pawnb.io.points import build_tracks, by_subject, check_names
+from pawnb.io.points import build_tracks, by_subject, check_names, tell_rate
 from pawnb.schema import Tracks
 
 _EXPECTED = "a C3D file"
 _MOST_BYTES = 2**30
-_SAME_RATE = 1e-3
-"""Rates are stored in single precision, and written out rounded."""
 _FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError, struct.error)
 
 
@@ -55,7 +53,7 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     Warns
     -----
     InputWarning
-        If the file says another frame rate than is given.
+        If the file says another frame rate than is given, or no unit where none is given.
 
     Examples
     --------
@@ -77,7 +75,7 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
         rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
         rate = float(reader.point_rate)
         said = reader.get("POINT:UNITS")
-        found = said.string_value.strip() if said is not None else ""
+        found = short_unit(said.string_value) if said is not None else ""
     except _FAULTS as error:
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         raise InputError(
@@ -92,13 +90,9 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     place = np.where(lost[..., None], np.nan, values[..., :3])
     if unit is not None and found:
         place = place * units_per_unit(found, unit, where=path.name)
-    if fps is not None and abs(fps - rate) > _SAME_RATE * rate:
-        warn_of_input(
-            f"{path.name} says {rate:g} frames per second, and fps is given as {fps:g}, which is "
-            f"used: all times and speeds follow from it; correct fps where the file is right.",
-            InputWarning,
-            stacklevel=2,
-        )
+    if not (unit or found):
+        tell_no_unit(path.name, stacklevel=2)
+    tell_rate(path.name, rate, fps, stacklevel=2)
     check_names(points[:n], what="point", where=path.name)
     points, animals, place = by_subject(points[:n], place)
     return build_tracks(

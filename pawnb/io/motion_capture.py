@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,7 @@ from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_text
 from pawnb.input_warnings import warn_of_input
-from pawnb.io.lengths import units_per_unit
+from pawnb.io.lengths import short_unit, tell_no_unit, units_per_unit
 from pawnb.io.points import build_tracks, by_subject, check_names, tell_rate
 from pawnb.schema import Tracks
 
@@ -24,6 +24,9 @@ _NO_PLACE = ("", "nan", "null")
 _ROWS_OF_NAMES = {"trajectory_types", "frame"}
 """Rows of QTM between the names of its markers and their places."""
 _TRAJECTORIES = "Trajectories"
+_OFF_RATE = 0.01
+"""Times that last longer or shorter than the rate says by more than this share, and by more than a
+frame, are of another rate. Set by hand: times are written with as few as two decimals."""
 _BEFORE = ("Devices", "Joints", "Model Outputs", "Segments")
 """Parts of Vicon's csv that may come before the trajectories, such as those of force plates."""
 
@@ -75,7 +78,8 @@ def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = N
     path : str or Path
         ``.trc``.
     fps : float, optional
-        Frames per second; default as the file says.
+        Frames per second; default as the file says, by its times where these do not fit its
+        header.
     unit : str, optional
         Unit of length that positions are brought to; default as the file says.
 
@@ -94,7 +98,8 @@ def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = N
     -----
     InputWarning
         That y may be up, where no ``unit`` is given, as that of a trial with a calibration is; if
-        the file says another frame rate or number of rows.
+        the file says another frame rate or number of rows, no unit, or its header another rate
+        than its times.
 
     Examples
     --------
@@ -134,7 +139,7 @@ def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = N
         _Capture(
             where=where, program="OpenSim trc", markers=markers,
             rate_hz=_number(said.get("DataRate"), "DataRate", where),
-            unit=said.get("Units") or "mm", rows=rows[below:], counted=2,
+            unit=short_unit(said.get("Units", "")), rows=rows[below:], counted=2,
             n_rows=int(_number(said.get("NumFrames"), "NumFrames", where)),
         ),
         fps, unit,
@@ -167,7 +172,8 @@ def read_qtm(path: str | Path, *, fps: float | None = None, unit: str | None = N
     Warns
     -----
     InputWarning
-        If the file says another frame rate or number of rows.
+        If the file says another frame rate or number of rows, or its header another rate than
+        its times.
 
     Examples
     --------
@@ -253,7 +259,7 @@ def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None =
     return _tracks(
         _Capture(
             where=where, program="Vicon", markers=[lines[2][i] for i in own],
-            rate_hz=_number(lines[1][0], "the rate", where), unit=lines[4][2] or "mm",
+            rate_hz=_number(lines[1][0], "the rate", where), unit=short_unit(lines[4][2] or "mm"),
             rows=[(i, cells[: 2 + 3 * n]) for i, cells in rows[5:]], counted=2,
         ),
         fps, unit,
@@ -311,17 +317,22 @@ def _tracks(said: _Capture, fps: float | None, unit: str | None) -> Tracks:
             f"{where}: line {said.rows[row][0]}, cell {column + 1} is {cells[row][column]!r}; "
             "expected a number, or an empty cell."
         )
+    counted = values[:, : said.counted]
+    said = _at_rate_of_times(said, counted, fps)
     _tell_doubts(said, fps)
     place = values[:, said.counted :].reshape(len(cells), -1, 3)
     place = np.where((place == 0).all(axis=-1, keepdims=True), np.nan, place)
+    if not (unit or said.unit):
+        tell_no_unit(where, stacklevel=3)
+    own = said.unit or "mm"
     check_names(said.markers, what="marker", where=where)
     points, animals, place = by_subject(said.markers, place)
     return build_tracks(
-        _frames(values[:, : said.counted], said),
-        place * (1.0 if unit is None else units_per_unit(said.unit, unit, where=where)),
+        _frames(counted, said),
+        place * (1.0 if unit is None else units_per_unit(own, unit, where=where)),
         points=points,
         fps=fps or said.rate_hz,
-        unit=unit or said.unit,
+        unit=unit or own,
         program=said.program,
         where=where,
         individuals=animals,
@@ -340,10 +351,33 @@ def _frames(counted: FloatArray, said: _Capture) -> IntArray:
     return numbers - (int(first) if first in (0, 1) else 1)
 
 
+def _at_rate_of_times(said: _Capture, counted: FloatArray, fps: float | None) -> _Capture:
+    """Return what a file says with the rate of its times, which OpenSim goes by."""
+    if said.counted < 2 or said.program == "Vicon" or len(counted) < 2:
+        return said
+    numbers, times = counted.T
+    n, span_s = numbers[-1] - numbers[0], times[-1] - times[0]
+    off_s = abs(span_s - n / said.rate_hz)
+    if not (n > 0 and span_s > 0) or off_s <= _OFF_RATE * span_s + 1.0 / said.rate_hz:
+        return said
+    if fps is not None and abs(fps - said.rate_hz) <= _OFF_RATE * fps:
+        return said  # the header is right, as a person says
+    step_s = np.polyfit(numbers - numbers[0], times - times[0], 1)[0]  # each may be rounded
+    rate_hz = float(f"{1.0 / step_s:.6g}") if step_s > 0 else n / span_s
+    if fps is None:
+        warn_of_input(
+            f"{said.where} says {said.rate_hz:g} frames per second in its header, and its times "
+            f"are those of {rate_hz:g}, which is used, as OpenSim does: all times and speeds "
+            "follow from it. Where the header is right, give it as fps (--fps in a terminal).",
+            InputWarning,
+            stacklevel=4,
+        )
+    return replace(said, rate_hz=rate_hz)
+
+
 def _tell_doubts(said: _Capture, fps: float | None) -> None:
     """Warn of another frame rate or number of rows than the file says."""
-    if fps is not None:
-        tell_rate(said.where, said.rate_hz, fps, stacklevel=4)
+    tell_rate(said.where, said.rate_hz, fps, stacklevel=4)
     if said.n_rows is not None and said.n_rows != len(said.rows):
         warn_of_input(
             f"{said.where} says that it has {said.n_rows} frames, and has {len(said.rows)}: where "

@@ -18,12 +18,11 @@ import xarray as xr
 from xarray.backends import H5NetCDFStore
 
 from pawnb.arrays import FloatArray, IntArray
-from pawnb.errors import InputError, InputWarning
+from pawnb.errors import InputError
 from pawnb.files import write_whole
-from pawnb.input_warnings import warn_of_input
-from pawnb.io.lengths import units_per_unit
+from pawnb.io.lengths import tell_no_unit, units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
-from pawnb.io.points import check_finite, check_names, plain_name
+from pawnb.io.points import check_finite, check_names, plain_name, tell_rate
 from pawnb.schema import (
     ORIGIN_CODE,
     Tracks,
@@ -37,7 +36,6 @@ from pawnb.schema import (
 _PLURAL = {"keypoint": "keypoints", "individual": "individuals"}
 _SINGULAR = {plural: singular for singular, plural in _PLURAL.items()}
 
-_SAME_RATE = 1e-3
 _OFF_FRAME = 0.01
 """Times further than this part of a frame from a whole frame are no frame numbers."""
 
@@ -338,14 +336,7 @@ def _unit(dataset: xr.Dataset, given: str | None, where: str) -> str:
     if dataset.sizes["space"] == 2:
         return said or "px"
     if not (given or said):
-        warn_of_input(
-            f"{where}: positions in space without a unit, as movement stores none: lengths are "
-            "taken to be in mm. Where they are in another, name the file in a trial.toml of kind "
-            "'tracks' with its unit below [calibration] (unit = \"m\"), or give unit to "
-            "load_tracks.",
-            InputWarning,
-            stacklevel=2,
-        )
+        tell_no_unit(where, "as movement stores none", stacklevel=2)
     return given or said or "mm"
 
 
@@ -367,13 +358,8 @@ def _frame_rate(said: float | None, fps: float | None, where: str) -> float:
             f"{where}: no frame rate; give fps, the frames per second of the recording (--fps on "
             "the command line)."
         )
-    if said is not None and abs(rate - said) > _SAME_RATE * said:
-        warn_of_input(
-            f"{where} says {said:g} frames per second, and fps is given as {rate:g}, which is "
-            "used: all times and speeds follow from it; correct fps where the file is right.",
-            InputWarning,
-            stacklevel=3,
-        )
+    if said is not None:
+        tell_rate(where, said, rate, stacklevel=3)
     return rate
 
 

@@ -19,7 +19,7 @@ from pawnb.errors import InputError
 from pawnb.files import check_file, write_whole
 from pawnb.io.hdf5 import faults_in, open_hdf5
 from pawnb.io.movement import from_movement, is_movement, netcdf_bytes
-from pawnb.io.points import check_names, tell_rate_kept
+from pawnb.io.points import check_names, tell_rate
 from pawnb.io.start import check_start, read_start, write_start
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import (
@@ -139,7 +139,7 @@ def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None 
         if is_movement(dataset):
             return from_movement(dataset, fps=fps, unit=unit, where=path.name)
         tracks = _checked(check_tracks(dataset, where=path.name), path.name)
-        tell_rate_kept(path.name, float(tracks.attrs["fps"]), fps, stacklevel=2)
+        tell_rate(path.name, float(tracks.attrs["fps"]), fps, kept=True, stacklevel=2)
         return tracks
 
 

@@ -18,30 +18,18 @@ from pawnb.files import whole_file
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.extras import need
 from pawnb.io.hdf5 import open_hdf5, read_array, read_texts
-from pawnb.io.lengths import units_per_unit
+from pawnb.io.lengths import short_unit, units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
-from pawnb.io.points import build_tracks, plain_name
+from pawnb.io.points import build_tracks, plain_name, tell_rate
 from pawnb.schema import Tracks
 
 _EXPECTED = "NWB with poses of ndx-pose"
 _POSE, _SERIES = "PoseEstimation", "PoseEstimationSeries"
 _PIXELS = ("pixels", "pixel", "px", "")
-_UNITS = {
-    name: unit
-    for unit, names in {
-        "m": ("meter", "metre"), "cm": ("centimeter", "centimetre"),
-        "mm": ("millimeter", "millimetre"), "um": ("micrometer", "micrometre", "micron"),
-        "in": ("inch", "inche"),
-    }.items()
-    for word in names
-    for name in (word, f"{word}s")
-}  # fmt: skip
-"""Units written out, as NWB asks for them."""
 _OFF_FRAME = 0.01
 """A first time further than this part of a frame from a whole frame is that of another clock."""
 _OFF_STEP = 0.25
 """Steps of time further than this part of a frame from whole frames are none; clocks jitter."""
-_SAME_RATE = 1e-3
 _DECIMALS_S = 6
 """Decimals of the seconds in which times of several points are one frame's."""
 _SLOWEST_HZ = 1.0
@@ -232,7 +220,7 @@ def _unit(said: str, wanted: str | None, n_axes: int, where: str) -> tuple[str, 
             stacklevel=3,
         )
         return wanted or "mm", 1.0
-    own = _UNITS.get(said.lower(), said)
+    own = short_unit(said)
     return wanted or own, 1.0 if wanted is None else units_per_unit(own, wanted, where=where)
 
 
@@ -269,13 +257,8 @@ def _times(
             f"{where}: times fall between frames at {clock:g} frames per second, or do not rise; "
             "give the fps of the recording."
         )
-    if fps is not None and not counted and said > 0 and abs(fps - said) > _SAME_RATE * said:
-        warn_of_input(
-            f"{where} says {said:g} frames per second, and fps is given as {fps:g}, which is used: "
-            "all times and speeds follow from it; correct fps where the file is right.",
-            InputWarning,
-            stacklevel=3,
-        )
+    if not counted and said > 0:
+        tell_rate(where, said, fps, stacklevel=3)
     first = times[:1] * clock
     first = np.where(np.abs(first - np.rint(first)) <= _OFF_FRAME, np.rint(first), 0.0)
     frames = np.concatenate([first, first + np.cumsum(counts)]).astype(np.int64)[: len(times)]

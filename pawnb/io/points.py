@@ -212,7 +212,9 @@ def check_finite(
         )
 
 
-def tell_rate(where: str, said: float, fps: float, *, stacklevel: int) -> None:
+def tell_rate(
+    where: str, said: float, fps: float | None, *, kept: bool = False, stacklevel: int
+) -> None:
     """Warn where a file says another frame rate than is given.
 
     Parameters
@@ -221,36 +223,10 @@ def tell_rate(where: str, said: float, fps: float, *, stacklevel: int) -> None:
         How the message names the file.
     said : float
         Frames per second that it says.
-    fps : float
-        Those that are given.
-    stacklevel : int
-        How far up the caller is whom the warning is for.
-
-    Warns
-    -----
-    InputWarning
-        If they differ by more than a thousandth.
-    """
-    if abs(fps - said) > _SAME_RATE * said:
-        warn_of_input(
-            f"{where} says {said:g} frames per second, and fps is given as {fps:g}, which is used: "
-            "all times and speeds follow from it; correct fps where the file is right.",
-            InputWarning,
-            stacklevel=stacklevel + 1,
-        )
-
-
-def tell_rate_kept(where: str, said: float, fps: float | None, *, stacklevel: int) -> None:
-    """Warn where another frame rate is given than that of what has times of its own.
-
-    Parameters
-    ----------
-    where : str
-        How the message names the file.
-    said : float
-        Its frames per second, which are used.
     fps : float, optional
         Those that are given.
+    kept : bool
+        Whether those of the file are used, as of one with times of its own; else the given ones.
     stacklevel : int
         How far up the caller is whom the warning is for.
 
@@ -259,10 +235,15 @@ def tell_rate_kept(where: str, said: float, fps: float | None, *, stacklevel: in
     InputWarning
         If they differ by more than a thousandth.
     """
-    if fps is not None and abs(fps - said) > _SAME_RATE * said:
-        warn_of_input(
-            f"{where} says {said:g} frames per second, which is used, and not the fps of {fps:g} "
-            "that is given: correct it there where it is wrong.",
-            InputWarning,
-            stacklevel=stacklevel + 1,
-        )
+    if fps is None or abs(fps - said) <= _SAME_RATE * said:
+        return
+    what = (
+        f"which is used, and not the fps of {fps:g} that is given: correct it there where it is "
+        "wrong."
+        if kept
+        else f"and fps is given as {fps:g}, which is used: all times and speeds follow from it; "
+        "correct fps where the file is right."
+    )
+    warn_of_input(
+        f"{where} says {said:g} frames per second, {what}", InputWarning, stacklevel=stacklevel + 1
+    )

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.errors import InputError, InputWarning
+from pawnb.input_warnings import hearing_input_warnings, hide_warnings_of
 from pawnb.io import read_c3d, write_c3d
 from pawnb.io.points import build_tracks
 
@@ -33,6 +34,24 @@ def test_a_unit_that_is_not_known_is_not_put_on_other_lengths(tmp_path):
     path = clip(tmp_path / "clip.c3d")
     with pytest.raises(InputError, match=r"clip.c3d: positions are in 'm', and 'BL' is asked for"):
         read_c3d(path, unit="BL")
+
+
+def test_units_written_out_and_those_that_lack(tmp_path):
+    import c3d
+
+    hide_warnings_of("c3d")  # that it writes no analog data
+    for said, expected in (("meters", "m"), ("Millimeters", "mm"), ("", "mm")):
+        writer = c3d.Writer(point_rate=200.0, point_scale=-1.0)
+        writer.set_point_labels(["FR", "HR"])
+        writer.point_group.add_str("UNITS", "", said, len(said))
+        writer.add_frames([(np.ones((2, 5)), np.zeros((0, 0)))])
+        with (tmp_path / "clip.c3d").open("wb") as file:
+            writer.write(file)
+        told: list[InputWarning] = []
+        with hearing_input_warnings(told.append, shown=False):
+            assert read_c3d(tmp_path / "clip.c3d").attrs["units"] == expected
+        assert len(told) == (said == "")
+        assert all("clip.c3d: positions in space without a unit: le" in str(one) for one in told)
 
 
 def test_another_frame_rate_is_said(tmp_path):

@@ -93,6 +93,49 @@ def test_trc_in_metres_comes_in_the_unit_of_its_trial(tmp_path):
     assert source.tracks.attrs["units"] == "mm"
 
 
+def test_times_of_a_trc_go_before_the_rate_in_its_header(tmp_path):
+    # OpenSim's TRCFileAdapter takes the column Time; strides came out at a third of their frequency
+    path = tmp_path / "walk.trc"
+    path.write_text(long_trc(rate=60.0, step_s=1 / 200, decimals=3))
+    with pytest.warns(InputWarning, match=r"walk.trc says 60 frames .* its times are those of 200"):
+        tracks = read_trc(path, unit="mm")
+    assert tracks.attrs["fps"] == 200.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert read_trc(path, unit="mm", fps=60.0).attrs["fps"] == 60.0  # as the warning advises
+        for rate, step_s in ((59.94, 1 / 59.94), (200.0, 0.005), (30.0, 0.0)):
+            path.write_text(long_trc(rate=rate, step_s=step_s))  # times of two decimals
+            assert read_trc(path, unit="mm").attrs["fps"] == rate
+
+
+def long_trc(*, rate, step_s, unit="mm", decimals=2):
+    """Text of 100 frames of one marker."""
+    rows = [f"{i + 1}\t{i * step_s:.{decimals}f}\t{i + 1}\t2\t3" for i in range(100)]
+    head = ["PathFileType\t4\t(X/Y/Z)\twalk.trc", "DataRate\tNumFrames\tUnits"]
+    head += [f"{rate:g}\t100\t{unit}", "Frame#\tTime\tFR", "\t\tX1\tY1\tZ1"]
+    return "\n".join([*head, *rows]) + "\n"
+
+
+@pytest.mark.parametrize("unit", ["meters", "Meters", "M"])
+def test_units_written_out_are_brought_to_that_of_the_trial(tmp_path, unit):
+    # they were refused where the trial says mm, and beside files in m
+    path = tmp_path / "walk.trc"
+    path.write_text(long_trc(rate=100.0, step_s=0.01, unit=unit))
+    assert read_trc(path, unit="mm")["position"].to_numpy().ravel()[:3].tolist() == [1e3, 2e3, 3e3]
+    with pytest.warns(InputWarning, match="in OpenSim y is up"):
+        assert read_trc(path).attrs["units"] == "m"
+
+
+def test_a_trc_without_a_unit_is_said(tmp_path):
+    path = tmp_path / "walk.trc"
+    path.write_text(long_trc(rate=100.0, step_s=0.01, unit=""))
+    with (
+        pytest.warns(InputWarning, match=r"walk.trc: positions in space without a unit: lengths"),
+        pytest.warns(InputWarning, match="in OpenSim y is up"),
+    ):
+        assert read_trc(path).attrs["units"] == "mm"
+
+
 @pytest.mark.parametrize("columns", [False, True])
 @pytest.mark.parametrize("missing", ["", "0.000", "NULL"])
 def test_qtm(tmp_path, columns, missing):

@@ -18,7 +18,7 @@ from pawnb.input_warnings import warn_of_input
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.io.osp_tracker import tables_in_folder
-from pawnb.io.points import tell_rate_kept
+from pawnb.io.points import tell_rate
 from pawnb.io.unread import tell_folder
 from pawnb.schema import Tracks
 from pawnb.trial import Animal, Trial, load_trial
@@ -243,7 +243,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
 def _at_own_rate(source: GaitSource, fps: float | None) -> GaitSource:
     """Return an input that says its frame rate itself; say so where another one is given."""
     if source.trial is not None:
-        tell_rate_kept(str(source.of_trial), source.trial.fps, fps, stacklevel=3)
+        tell_rate(str(source.of_trial), source.trial.fps, fps, kept=True, stacklevel=3)
     return source
 
 
