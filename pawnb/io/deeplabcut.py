@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import itertools
+import json
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -36,6 +37,10 @@ LABELS_GROUP = "keypoints"
 
 PICTURES = "labelled_pictures"
 """Attribute of Tracks that keeps how labelled pictures are called: ``.../img%04d.png``."""
+
+POINTS_OF = "points_of_individuals"
+"""Attribute of Tracks that keeps, as JSON, which points each animal has where not all have all:
+those that are there once (DeepLabCut's unique bodyparts) are of an animal ``single``."""
 
 ONE = "individual_0"
 """The animal of a file that names none."""
@@ -190,7 +195,7 @@ def _build(
         every = np.concatenate([places, said[..., None]], axis=-1)
         lost = (every == -1).all(axis=-1) | (every == 0).all(axis=-1)
         places = np.where(lost[..., None], np.nan, places)
-    return build_tracks(
+    tracks = build_tracks(
         frames,
         places,
         said,
@@ -201,6 +206,10 @@ def _build(
         where=where,
         individuals=individuals,
     )
+    own = {who: [p for p in points if (who, p, "x") in place] for who in individuals}
+    if all(own[who] == points for who in individuals):
+        return tracks
+    return tracks.assign_attrs({POINTS_OF: json.dumps(own)})
 
 
 def program_of(scorer: str) -> str:

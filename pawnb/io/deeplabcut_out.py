@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from pawnb.arrays import FloatArray
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.files import write_whole
-from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, ONE, PICTURES, SCORER
+from pawnb.io.deeplabcut import DEEPLABCUT, GROUP, ONE, PICTURES, POINTS_OF, SCORER
 from pawnb.io.outgoing import Outgoing, take_space, take_view, views_of, word
 from pawnb.io.pandas_frame import pandas_frame_bytes
 from pawnb.io.tables import write_text
@@ -138,17 +139,28 @@ def _table(
 ) -> tuple[FloatArray, list[tuple[str, ...]], list[str]]:
     """Return the numbers, the names of the columns and those of their levels."""
     parts = [own.place[..., "xyz".index(c)] if c in "xyz" else own.confidence for c in coords]
-    values = np.stack(parts, axis=-1).transpose(0, 2, 1, 3).reshape(len(own.frames), -1)
+    values = np.stack(parts, axis=-1).transpose(0, 2, 1, 3)
+    known = _columns_there(own)
     named = own.attrs.get("source_software") == DEEPLABCUT and own.individuals != [ONE]
     several = len(own.individuals) > 1 or named
     columns = [
         (scorer, *((who,) if several else ()), point, coord)
-        for who in own.individuals
-        for point in own.points
+        for i, who in enumerate(own.individuals)
+        for k, point in enumerate(own.points)
         for coord in coords
+        if known[i, k]
     ]
     levels = ["scorer", *(["individuals"] if several else []), "bodyparts", "coords"]
-    return values, columns, levels
+    return values[:, known].reshape(len(own.frames), -1), columns, levels
+
+
+def _columns_there(own: Outgoing) -> BoolArray:
+    """Say which points (n_individuals, n_points) have columns: those of the file that was read."""
+    said = json.loads(own.attrs.get(POINTS_OF, "{}"))
+    every = {point for points in said.values() for point in points}
+    lacking = {who: every.difference(points) for who, points in said.items()}
+    listed = [[p not in lacking.get(who, ()) for p in own.points] for who in own.individuals]
+    return np.array(listed) | np.isfinite(own.place).all(axis=-1).any(axis=0).T
 
 
 def _write(

@@ -21,7 +21,8 @@ INSTANCE_SCORE = "instance_score"
 """Variable of Tracks (time, individual): SLEAP's score of an instance as a whole."""
 
 VIDEO_AND_EDGES = "sleap_labels"
-"""Attribute of Tracks of a ``.slp``: a JSON of its ``video`` and of ``edges`` of its skeleton."""
+"""Attribute of Tracks of a ``.slp`` or analysis ``.h5``: a JSON of its ``video`` and of the
+``edges`` of its skeleton."""
 
 _EXPECTED = "the .slp or analysis .h5 that SLEAP writes"
 _ORDER = ("track", "xy", "node", "frame")
@@ -29,6 +30,10 @@ _ORDER = ("track", "xy", "node", "frame")
 
 _VIDEO = "video_path"
 """Column of sleap-io's csv of instances where the labels are of several videos."""
+
+_FRAMES_WITHOUT_ROW = 20
+"""From so many on, a csv of sleap-io may go on in another video. Set by hand: an animal that left
+the picture has no rows either, so it is said and not refused."""
 
 _ONE = "id_0"
 _USER, _PREDICTED = 0, 1
@@ -64,6 +69,11 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         If the file is missing, damaged or not of SLEAP, holds several videos or skeletons, has a
         frame twice, or several animals that no track tells apart.
 
+    Warns
+    -----
+    InputWarning
+        If instances belong to no track, or a csv of sleap-io may be of several videos.
+
     Examples
     --------
     A file as SLEAP exports it for analysis: one animal, two points, three frames.
@@ -83,10 +93,10 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         found = _read_table(path)
     else:
         with open_hdf5(path, expected=_EXPECTED) as file:
-            read = _read_labels if "instances" in file else _read_analysis
-            found = read(file, path.name)
-            if "instances" in file:
-                kept = {VIDEO_AND_EDGES: json.dumps(_video_and_edges(file, path.name))}
+            labels = "instances" in file
+            found = (_read_labels if labels else _read_analysis)(file, path.name)
+            said = _video_and_edges(file, path.name) if labels else _of_analysis(file)
+            kept = {VIDEO_AND_EDGES: json.dumps(said)}
     frames, points, individuals, places, score, whole = found
     tracks = build_tracks(
         frames,
@@ -134,6 +144,8 @@ def _read_table(path: Path) -> _Read:
             "video where these are of several."
         )
     frames, row = np.unique(at, return_inverse=True)
+    if f"{points[0]}.score" in names[: names.index(f"{points[0]}.x")]:  # in alphabetical order
+        _tell_other_video(frames, where)
     individuals = sorted(set(cells["track"])) if (cells["track"] != "").any() else []
     if "" in individuals:
         raise InputError(f"{where}: some rows have a track and some have none; name all of them.")
@@ -157,6 +169,21 @@ def _read_table(path: Path) -> _Read:
     whole = np.full((len(frames), n), np.nan)
     whole[row, who] = column("instance.score")
     return frames, points, individuals, parts[..., :2], parts[..., 2], whole
+
+
+def _tell_other_video(frames: np.ndarray, where: str) -> None:
+    """Say where rows of sleap-io may go on in another video, of which its csv says nothing."""
+    gaps = np.diff(frames) - 1
+    if not (gaps >= _FRAMES_WITHOUT_ROW).any():
+        return
+    at = int(np.argmax(gaps))
+    warn_of_input(
+        f"{where}: no row from frame {frames[at] + 1:g} to {frames[at + 1] - 1:g}. sleap-io writes "
+        "labels of several videos into one such csv without a word: where these are of several, "
+        "save one of each (save_csv with video=0, 1, ...), else they count as one recording.",
+        InputWarning,
+        stacklevel=4,
+    )
 
 
 def _read_analysis(file: h5py.File, where: str) -> _Read:
@@ -316,6 +343,22 @@ def _video_and_edges(file: h5py.File, where: str) -> dict[str, Any]:
     except (InputError, KeyError, TypeError, IndexError, ValueError, AttributeError):
         return {"video": "", "edges": []}
     return {"video": "" if video == "." else video, "edges": edges}
+
+
+def _of_analysis(file: h5py.File) -> dict[str, Any]:
+    """Return the video and edges that an analysis export says."""
+    edges, video = file.get("edge_names"), file.get("video_path")
+    known = isinstance(edges, h5py.Dataset) and edges.ndim == 2 and edges.shape[1] == 2
+    video = video[()] if isinstance(video, h5py.Dataset) and video.shape == () else b""
+    return {
+        "video": video.decode("utf-8", "replace") if isinstance(video, bytes) else "",
+        "edges": [[_word(a), _word(b)] for a, b in edges[()]] if known else [],
+    }
+
+
+def _word(value: Any) -> str:
+    """Return a text of HDF5."""
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
 
 
 def _track_name(text: str, where: str) -> str:

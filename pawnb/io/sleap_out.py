@@ -58,6 +58,13 @@ def write_sleap(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     return write_whole(path, _analysis_bytes(own))
 
 
+def _video_and_edges(own: Outgoing) -> tuple[str, list[list[str]]]:
+    """Return the film, and the edges of the skeleton, of the file that tracks came from."""
+    said = json.loads(own.attrs.get(VIDEO_AND_EDGES, "{}"))
+    edges = [edge for edge in said.get("edges", []) if {*edge} <= {*own.points}]
+    return str(said.get("video") or ""), edges
+
+
 def _instance_scores(own: Outgoing) -> FloatArray:
     """Return scores (n_frames, n_individuals) of instances; NaN where they are not known."""
     if INSTANCE_SCORE in own.tracks:
@@ -107,9 +114,13 @@ def _analysis_bytes(own: Outgoing) -> bytes:
             item.attrs["dims"] = json.dumps(dims)
         for name, words in (("node_names", own.points), ("track_names", own.individuals)):
             file.create_dataset(name, data=np.array([w.encode() for w in words]), track_times=False)
-        file["edge_inds"], file["edge_names"] = np.zeros((0, 2), int), np.zeros((0, 2), "S1")
-        for name in ("labels_path", "video_path"):
-            file[name] = ""
+        video, edges = _video_and_edges(own)
+        named = np.array([[word.encode() for word in edge] for edge in edges], dtype="S")
+        file["edge_names"] = named.reshape(-1, 2)
+        file["edge_inds"] = np.array(
+            [[own.points.index(word) for word in edge] for edge in edges], dtype=int
+        ).reshape(-1, 2)
+        file["labels_path"], file["video_path"] = "", video
         file["provenance"], file["video_ind"] = "{}", 0
         file.attrs["format"], file.attrs["preset"] = "analysis", "matlab"
     return buffer.getvalue()
@@ -118,11 +129,10 @@ def _analysis_bytes(own: Outgoing) -> bytes:
 def _write_labels(own: Outgoing, path: Path) -> Path:
     """Write predicted instances by sleap-io."""
     sio: Any = need("sleap_io", "sleap", what=f"to write {path.name}")
-    said = json.loads(own.attrs.get(VIDEO_AND_EDGES, "{}"))
-    edges = [edge for edge in said.get("edges", []) if {*edge} <= {*own.points}]
+    name, edges = _video_and_edges(own)
     skeleton = sio.Skeleton(nodes=list(own.points), edges=edges)
     animals = [sio.Track(name=who) for who in own.individuals]
-    video = sio.Video(filename=said.get("video") or "video.mp4", open_backend=False)
+    video = sio.Video(filename=name or "video.mp4", open_backend=False)
     scores = _instance_scores(own)
     labelled = []
     for t, frame in enumerate(own.frames):

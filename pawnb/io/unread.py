@@ -30,7 +30,8 @@ _BY_BYTES = (
      "unpack it as a zip archive, and name the .trk that is in it"),
     (b"\x93NUMPY", rb"", "an array of NumPy (.npy), as idtracker.ai and VAME write", AS_TABLE),
     (b"\xd0\xcf\x11\xe0", rb"", "an old spreadsheet (.xls)", "save the sheet as csv"),
-    (b"\x80", rb"", "a pickle of Python, which may run programs when it is read", AS_TABLE),
+    (b"\x80", rb"", "a pickle of Python, which may run programs when it is read",
+     f"of DeepLabCut, name the .h5 or .csv of the same video; of another program, {AS_TABLE}"),
     (b"MATLAB 7.3", rb"", "a .mat of MATLAB 7.3, as DANNCE and projects of DLTdv 8 are",
      f"export points from DLTdv as xypts.csv; of another program, {AS_TABLE}"),
     (b"PK\x03\x04", rb"", "a zip archive", "unpack it, and name the file of tracks that is in it"),
@@ -70,6 +71,11 @@ _BY_TEXT = (
      "a table with a row for each point", "spread it by pandas: wide = table.pivot(index='frame', "
      "columns=<names of points>, values=['x', 'y']); wide.columns = [f'{point}_{axis}' for axis, "
      "point in wide.columns]; wide.to_csv('points.csv')"),
+    (r"\A([^,\n]+),\1,\1(,[^\n]*)?\nx,y,(z,)?confidence\b",
+     "a csv of JARVIS, whose names take two lines",
+     "join them by pandas: table = pandas.read_csv(FILE, header=[0, 1]); table.columns = "
+     "['_'.join(column) for column in table.columns]; table.to_csv('points.csv', "
+     "index_label='frame')"),
     (r"\AFormat Version,", "a csv of OptiTrack's Motive", "export .c3d or .trc from Motive"),
     (r"X#wcentroid|^[^\n]*\bposeX0\b", "a table of TRex",
      f"{AS_TABLE}; poseX0, poseY0, ... are its points"),

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.io import read_deeplabcut
+from pawnb.io import read_deeplabcut, write_deeplabcut
 
 
 @pytest.mark.parametrize("filled", [-1.0, 0.0])
@@ -35,3 +35,37 @@ def test_an_animal_that_was_filled_up_is_missing(tmp_path, filled, ending):
     assert seen[..., 0].tolist() == [[True, True], [False, False], [True, True]]
     assert not seen[..., 1].any()
     assert tracks["confidence"].to_numpy()[1, 0, 0] == 0.0
+
+
+@pytest.mark.parametrize("ending", [".csv", ".h5"])
+def test_points_that_are_there_once_are_written_back_as_they_were(tmp_path, ending):
+    """DeepLabCut's unique bodyparts are those of an animal 'single'; each animal got columns of
+    them, and 'single' columns of the paws."""
+    who = [("m1", "FR"), ("m1", "HR"), ("m2", "FR"), ("m2", "HR"), ("single", "box")]
+    columns = pd.MultiIndex.from_tuples(
+        [("net", *one, coord) for one in who for coord in ("x", "y", "likelihood")],
+        names=["scorer", "individuals", "bodyparts", "coords"],
+    )
+    values = np.random.default_rng(1).uniform(0.1, 0.9, (4, len(columns)))
+    values[:, 3:6] = np.nan  # m1 HR, which was never found
+    table = pd.DataFrame(values, columns=columns)
+    if ending == ".csv":
+        table.to_csv(tmp_path / "m.csv")
+    else:
+        pytest.importorskip("tables")
+        table.to_hdf(tmp_path / "m.h5", key="df_with_missing", format="table")
+    tracks = read_deeplabcut(tmp_path / f"m{ending}", fps=100.0)
+    path = write_deeplabcut(tracks, tmp_path / f"again{ending}")
+    if ending == ".csv":
+        again = pd.read_csv(path, header=[0, 1, 2, 3], index_col=0)
+    else:
+        again = pd.read_hdf(path)
+    assert again.columns.tolist() == table.columns.tolist()
+    expected = values.copy()
+    expected[:, 5] = again.to_numpy()[:, 5]
+    np.testing.assert_array_equal(again.to_numpy(), expected)
+    called = tracks.assign_coords(keypoint=["FL", "HL", "crate"])
+    write_deeplabcut(called, tmp_path / "b.csv")
+    assert read_deeplabcut(tmp_path / "b.csv", fps=100.0)["keypoint"].to_numpy().tolist() == [
+        "FL", "HL", "crate",
+    ]  # fmt: skip

@@ -175,22 +175,6 @@ def test_the_video_and_the_skeleton_of_a_slp_are_written_back(tmp_path):
     assert labels[0].frame_idx == 7
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("own", [0, 1])
-def test_points_of_a_slp_have_the_names_of_their_own_skeleton(tmp_path, own):
-    """Where a project held a second skeleton, its names were taken: FR came out as HL."""
-    sio = pytest.importorskip("sleap_io")
-    skeletons = [sio.Skeleton(nodes=["FR", "HR"]), sio.Skeleton(nodes=["HL", "FL"], name="b")]
-    video = sio.Video(filename="clip.mp4", open_backend=False)
-    instance = sio.PredictedInstance.from_numpy(np.eye(2), skeleton=skeletons[own], score=0.5)
-    frame = sio.LabeledFrame(video=video, frame_idx=0, instances=[instance])
-    labels = sio.Labels([frame], videos=[video], skeletons=skeletons)
-    sio.save_slp(labels, str(tmp_path / "a.slp"), embed=False, verbose=False)
-    theirs = sio.load_slp(str(tmp_path / "a.slp"), open_videos=False)[0].instances[0].skeleton
-    tracks = load_tracks(tmp_path / "a.slp", fps=FPS)
-    assert tracks["keypoint"].to_numpy().tolist() == [node.name for node in theirs.nodes]
-
-
 def test_points_of_movement_have_the_names_that_a_person_gave(peers):
     """What sleap-io read into movement says Node(name='FR'); its values stay."""
     tracks = load_tracks(peers / "movement.nc")

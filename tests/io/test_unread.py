@@ -45,6 +45,12 @@ TEXTS = {
         "SimBA.*outlier_corrected",
     ),
     "long.csv": ("frame,bodypart,x,y\n0,FR,1.0,2.0\n", "a row for each point.*table.pivot"),
+    # predict3D.py and predict2D.py of JARVIS-HybridNet: create_header
+    "data3D.csv": (
+        "FR,FR,FR,FR,HR,HR,HR,HR\nx,y,z,confidence,x,y,z,confidence\n1,2,3,1,4,5,6,1\n",
+        "JARVIS.*header=",
+    ),
+    "data2D.csv": ("FR,FR,FR\nx,y,confidence\n1,2,1\n", "JARVIS.*index_label='frame'"),
     "bsoid.csv": (",B-SOiD labels\n0,0\n", "B-SOiD.*name the tracks"),
     "calibration.toml": ('[cam_0]\nname = "cam0"\nsize = [ 800, 600,]\n', "TOML.*calibration"),
     "idtracker.csv": ("time,x1,y1,x2,y2\n0.0,1,2,3,4\n", "idtracker.ai.* needs its feet"),
@@ -74,6 +80,8 @@ def test_spreadsheets_and_arrays_are_named(tmp_path):
     for name, message in told.items():
         with pytest.raises(InputError, match=f"{name}: .*{message}.*, not read here; .* csv"):
             recognise_format(tmp_path / name)
+    with pytest.raises(InputError, match=r"; of DeepLabCut, name the \.h5 or \.csv of the same vi"):
+        recognise_format(tmp_path / "clip.pickle")
 
 
 @pytest.mark.parametrize(
