@@ -21,6 +21,8 @@ from pawnb.schema import Tracks
 
 _EXPECTED = "a C3D file"
 _MOST_BYTES = 2**30
+_OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS")
+"""Lists of the points that Vicon's models make, and that are no places."""
 _FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError, struct.error)
 
 
@@ -39,7 +41,9 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     Returns
     -------
     xarray.Dataset
-        Tracks in space without confidence; frame 1 of the file is frame 0. Labels such as
+        Tracks in space without confidence; frame 1 of the file is frame 0. Points without a label
+        are left out, and so are angles, forces and other outputs of models that the file lists as
+        such. Labels such as
         ``m07:FR`` (Vicon) are points of the animal m07, one or several. Points whose residual
         is negative were not seen, and neither were those exactly at (0, 0, 0), as some programs
         mark them.
@@ -69,7 +73,7 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     data = read_bytes(path, expected=_EXPECTED, most_bytes=_MOST_BYTES)
     try:
         reader = c3d.Reader(io.BytesIO(data))
-        points = _labels(reader)
+        points, outputs = _labels(reader, "LABELS"), _model_outputs(reader)
         # analog channels are not wanted, and c3d cannot read the scale of a single one
         reader.get_analog_transform = lambda: (1.0, 0.0)
         rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
@@ -83,9 +87,12 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
             "again from where it is whole."
         ) from None
     n = rows[0][1].shape[0] if rows else 0
-    if not rows or n == 0 or len(points) < n:
+    made = [not {name, name.rpartition(":")[2]}.isdisjoint({"", *outputs}) for name in points[:n]]
+    kept = [i for i, left_out in enumerate(made) if not left_out]
+    if not kept:
         raise InputError(f"{path.name}: no points in it; expected {_EXPECTED} with labelled ones.")
-    values = np.stack([own for _, own in rows]).astype(float)
+    points = [points[i] for i in kept]
+    values = np.stack([own[kept] for _, own in rows]).astype(float)
     lost = (values[..., 3] < 0) | (values[..., :3] == 0).all(axis=-1)
     place = np.where(lost[..., None], np.nan, values[..., :3])
     if unit is not None and found:
@@ -93,8 +100,8 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     if not (unit or found):
         tell_no_unit(path.name, stacklevel=2)
     tell_rate(path.name, rate, fps, stacklevel=2)
-    check_names(points[:n], what="point", where=path.name)
-    points, animals, place = by_subject(points[:n], place)
+    check_names(points, what="point", where=path.name)
+    points, animals, place = by_subject(points, place)
     return build_tracks(
         [number - 1 for number, _ in rows],
         place,
@@ -107,12 +114,18 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     )
 
 
-def _labels(reader: Any) -> list[str]:
-    """Return the names of all points: more than 255 go on in LABELS2, LABELS3, ..."""
-    labels, k = list(reader.point_labels), 2
-    while (more := reader.get(f"POINT:LABELS{k}")) is not None:
+def _labels(reader: Any, name: str) -> list[str]:
+    """Return names of points: more than 255 of LABELS go on in LABELS2, LABELS3, ..."""
+    labels: list[str] = []
+    k = 1
+    while (more := reader.get(f"POINT:{name}{k if k > 1 else ''}")) is not None:
         labels, k = [*labels, *more.string_array], k + 1
     return [str(label).strip() for label in labels]
+
+
+def _model_outputs(reader: Any) -> set[str]:
+    """Return the names of what is kept as points, and is none: joint angles, forces and such."""
+    return {label for kind in _OUTPUTS for label in _labels(reader, kind)}
 
 
 def write_c3d(tracks: Tracks, path: str | Path) -> Path:

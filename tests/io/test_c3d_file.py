@@ -70,6 +70,27 @@ def test_a_subject_before_the_labels_is_the_animal(tmp_path):
     assert tracks["individual"].to_numpy().tolist() == ["m1"]
 
 
+@pytest.mark.parametrize("subject", ["", "m1:"])
+def test_outputs_of_models_and_points_without_a_label_are_no_feet(tmp_path, subject):
+    # Vicon keeps them as points and lists them in POINT:ANGLES, FORCES ...; angles that came first
+    # were taken for the feet
+    import c3d
+
+    hide_warnings_of("c3d")
+    names = ["LHindPawAngles", "LHindPaw", "RHindPaw", "LHindPawForce", ""]
+    labels = [subject * bool(name) + name for name in names]
+    writer = c3d.Writer(point_rate=200.0, point_scale=-1.0)
+    writer.set_point_labels(labels)
+    for kind, label in (("ANGLES", labels[0]), ("FORCES", names[3])):
+        writer.point_group.add_str(kind, "", label.ljust(24), 24, 1)
+    writer.add_frames([(np.arange(5.0)[:, None].repeat(5, axis=1), np.zeros((0, 0)))])
+    with (tmp_path / "clip.c3d").open("wb") as file:
+        writer.write(file)
+    tracks = read_c3d(tmp_path / "clip.c3d", unit="mm")
+    assert tracks["keypoint"].to_numpy().tolist() == ["LHindPaw", "RHindPaw"]
+    assert tracks["position"].isel(space=0).to_numpy().ravel().tolist() == [1.0, 2.0]
+
+
 def test_a_file_with_one_analog_channel(tmp_path):
     # ezc3d 1.7.2 writes OFFSET and SCALE of a single channel, such as a trigger, as plain numbers
     import c3d
