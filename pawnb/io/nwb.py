@@ -36,6 +36,12 @@ _SLOWEST_HZ = 1.0
 """No gait is filmed at one frame a second: times so far apart count frames."""
 _TRACK, _NO_TRACK = "track=", "untracked"
 """How sleap-io calls the poses of each of its tracks, and those of none."""
+_BY_MOVEMENT = (
+    ". Of one make a file in Python: from movement.io import load_poses; "
+    'poses = load_poses.from_nwb_file(FILE, pose_estimation_key="{0}"); '
+    'pawnb.io.write_tracks(pawnb.io.from_movement(poses), "{0}.nc")'
+)
+"""The way to a file of each view."""
 
 
 def is_nwb(file: h5py.File) -> bool:
@@ -137,9 +143,10 @@ def _find_poses(file: h5py.File, where: str) -> dict[str, h5py.Group]:
         name.startswith(_TRACK) for _, _, name in apart
     )
     if not found or (len(found) > 1 and not animals):
+        way = _BY_MOVEMENT.format(apart[-1][2]) if found else ""
         raise InputError(
             f"{where}: {len(found)} pose estimations ({', '.join(found) or 'none'}); expected "
-            f"{_EXPECTED}, those of one view a file."
+            f"{_EXPECTED}, those of one view a file{way}."
         )
     return {name: file["processing"][name] for name in found}
 

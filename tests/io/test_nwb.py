@@ -57,6 +57,16 @@ def test_an_unknown_unit_is_not_put_on_other_lengths(tmp_path):
         read_nwb(write(tmp_path / "m.nwb", unit="BL"), unit="mm")
 
 
+def test_poses_of_two_cameras_come_to_a_file_each_by_movement(tmp_path):
+    path = write(tmp_path / "two.nwb", place=PLACE[:, :2], unit="pixels")
+    with h5py.File(path, "a") as file:
+        file.copy("processing/behavior/PoseEstimation", "processing/behavior/side")
+    with pytest.raises(
+        InputError, match=r'behavior/side\); .*\(FILE, pose_estimation_key="side"\)'
+    ):
+        read_nwb(path)
+
+
 @pytest.mark.parametrize("wanted", [None, "cm"])
 def test_places_in_space_in_pixels_are_said(tmp_path, wanted):
     # movement writes "pixels" whatever the number of axes
