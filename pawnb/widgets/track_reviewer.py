@@ -149,6 +149,12 @@ class TrackReviewer(Comparing, Questions):
         self._compare_tracks(tracks, against, against_name, rig=rig)
         self._offer_doubtful(self._find_doubtful())
         first, last = self.session.span
+        if first >= shown.n_frames:
+            raise InputError(
+                f"the tracks begin with frame {first}, and the film has {shown.n_frames}, from 0 "
+                f"to {shown.n_frames - 1}: they are of another film, or count from the start of a "
+                "session; number their frames as those of the film."
+            )
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
         span = (first, min(last, shown.n_frames - 1))
         super().__init__(shown, **{"frame": first, "span": span, **options})

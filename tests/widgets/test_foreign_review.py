@@ -144,6 +144,10 @@ def test_tracks_that_do_not_fit_the_film_are_said_as_they_are_opened(tmp_path):
     said = status("long.csv", range(2 * FRAMES))
     assert said.startswith("Note: long.csv: frames up to 23, and the film of view 'view' has 12")
     assert "Where only one picture in 2 was tracked" in status("half.csv", range(FRAMES // 2))
+    with pytest.raises(
+        InputError, match=r"begin with frame 40, and the film has 12, from 0 to 11:"
+    ):
+        status("clock.csv", range(40, 50))
     said = status("big.csv", range(FRAMES), zoom=4.0)
     assert "100% of the places lie outside of the pictures of view 'view', which have 160" in said
 
