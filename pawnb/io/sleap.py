@@ -238,8 +238,8 @@ def _read_labels(file: h5py.File, where: str) -> _Read:
         read_array(file, name, where=where, ndim=1)
         for name in ("frames", "instances", "points", "pred_points")
     )
-    _check_one(frames, "video", "videos", where)
-    _check_one(instances, "skeleton", "skeletons", where)
+    _check_one(frames, "video", "videos; export the analysis .h5 of each video", where)
+    _check_one(instances, "skeleton", "skeletons; keep those of one in SLEAP", where)
     points, version = _skeleton(file, _own_skeleton(instances), where)
     # labels are kept in the order in which they were made
     numbers = check_frames(np.sort(frames["frame_idx"]), where=where)
@@ -373,9 +373,7 @@ def _check_one(table: np.ndarray, field: str, what: str, where: str) -> None:
     """Refuse a file of several videos or skeletons."""
     found = np.unique(table[field])
     if len(found) > 1:
-        raise InputError(
-            f"{where}: labels of {len(found)} {what}; export the analysis .h5 of each video."
-        )
+        raise InputError(f"{where}: labels of {len(found)} {what}.")
 
 
 def _from_json(text: str | bytes, where: str) -> Any:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pawnb import load_tracks
-from pawnb.errors import InputWarning
+from pawnb.errors import InputError, InputWarning
 from pawnb.io.formats import write_any_tracks
 
 FPS = 100.0
@@ -29,6 +29,11 @@ def test_points_of_a_slp_have_the_names_of_their_own_skeleton(tmp_path, own):
     theirs = sio.load_slp(str(tmp_path / "a.slp"), open_videos=False)[0].instances[0].skeleton
     tracks = load_tracks(tmp_path / "a.slp", fps=FPS)
     assert tracks["keypoint"].to_numpy().tolist() == [node.name for node in theirs.nodes]
+    other = sio.PredictedInstance.from_numpy(np.eye(2), skeleton=skeletons[1 - own], score=0.5)
+    labels.append(sio.LabeledFrame(video=video, frame_idx=1, instances=[other]))
+    sio.save_slp(labels, str(tmp_path / "b.slp"), embed=False, verbose=False)
+    with pytest.raises(InputError, match=r"b.slp: labels of 2 skeletons; keep those of one in SL"):
+        load_tracks(tmp_path / "b.slp", fps=FPS)
 
 
 def test_the_film_and_the_edges_of_an_analysis_file_are_written_back(tmp_path):
