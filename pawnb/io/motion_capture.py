@@ -15,7 +15,7 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.files import read_text
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.lengths import short_unit, tell_no_unit, units_per_unit
-from pawnb.io.points import build_tracks, by_subject, check_names, tell_rate
+from pawnb.io.points import SLOWEST_FILM_HZ, build_tracks, by_subject, check_names, tell_rate
 from pawnb.schema import Tracks
 
 _TRC, _QTM = "a .trc with markers, as OpenSim reads it", "a .tsv with 3D markers, as QTM writes it"
@@ -364,6 +364,8 @@ def _at_rate_of_times(said: _Capture, counted: FloatArray, fps: float | None) ->
         return said  # the header is right, as a person says
     step_s = np.polyfit(numbers - numbers[0], times - times[0], 1)[0]  # each may be rounded
     rate_hz = float(f"{1.0 / step_s:.6g}") if step_s > 0 else n / span_s
+    if rate_hz <= SLOWEST_FILM_HZ:
+        return said
     if fps is None:
         warn_of_input(
             f"{said.where} says {said.rate_hz:g} frames per second in its header, and its times "

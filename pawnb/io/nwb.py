@@ -20,7 +20,7 @@ from pawnb.io.extras import need
 from pawnb.io.hdf5 import open_hdf5, read_array, read_texts
 from pawnb.io.lengths import short_unit, units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
-from pawnb.io.points import build_tracks, plain_name, tell_rate
+from pawnb.io.points import SLOWEST_FILM_HZ, build_tracks, plain_name, tell_rate
 from pawnb.schema import Tracks
 
 _EXPECTED = "NWB with poses of ndx-pose"
@@ -32,8 +32,6 @@ _OFF_STEP = 0.25
 """Steps of time further than this part of a frame from whole frames are none; clocks jitter."""
 _DECIMALS_S = 6
 """Decimals of the seconds in which times of several points are one frame's."""
-_SLOWEST_HZ = 1.0
-"""No gait is filmed at one frame a second: times so far apart count frames."""
 _TRACK, _NO_TRACK = "track=", "untracked"
 """How sleap-io calls the poses of each of its tracks, and those of none."""
 _BY_MOVEMENT = (
@@ -245,7 +243,7 @@ def _times(
     told = {rate for _, rate in stamps}
     fixed = len(told) == 1 and np.isfinite(next(iter(told)))
     said = next(iter(told)) if fixed else _rate_of(np.diff(times))
-    counted = said <= _SLOWEST_HZ  # then these are numbers of frames, and no seconds
+    counted = said <= SLOWEST_FILM_HZ  # then these are numbers of frames, and no seconds
     rate = fps or (np.nan if counted else said)
     if counted and fps is None:
         raise InputError(

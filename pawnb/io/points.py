@@ -21,6 +21,8 @@ from pawnb.schema import (
 
 _NODE = re.compile(r"Node\(name=['\"](.+)['\"]\)")
 _SAME_RATE = 1e-3
+SLOWEST_FILM_HZ = 1.0
+"""No gait is filmed at one frame a second: times so far apart count frames, or milliseconds."""
 
 
 def build_tracks(

@@ -103,8 +103,8 @@ def test_times_of_a_trc_go_before_the_rate_in_its_header(tmp_path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert read_trc(path, unit="mm", fps=60.0).attrs["fps"] == 60.0  # as the warning advises
-        for rate, step_s in ((59.94, 1 / 59.94), (200.0, 0.005), (30.0, 0.0)):
-            path.write_text(long_trc(rate=rate, step_s=step_s))  # times of two decimals
+        for rate, step_s in ((59.94, 1 / 59.94), (200.0, 0.005), (30.0, 0.0), (200.0, 5.0)):
+            path.write_text(long_trc(rate=rate, step_s=step_s))  # two decimals; none; ms
             assert read_trc(path, unit="mm").attrs["fps"] == rate
 
 
