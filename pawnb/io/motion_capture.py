@@ -27,6 +27,8 @@ _TRAJECTORIES = "Trajectories"
 _OFF_RATE = 0.01
 """Times that last longer or shorter than the rate says by more than this share, and by more than a
 frame, are of another rate. Set by hand: times are written with as few as two decimals."""
+_OFF_USUAL = 0.05
+"""Share by which a usual step of time may differ from that of the rate. Set by hand, as above."""
 _BEFORE = ("Devices", "Joints", "Model Outputs", "Segments")
 """Parts of Vicon's csv that may come before the trajectories, such as those of force plates."""
 
@@ -317,7 +319,7 @@ def _tracks(said: _Capture, fps: float | None, unit: str | None) -> Tracks:
             f"{where}: line {said.rows[row][0]}, cell {column + 1} is {cells[row][column]!r}; "
             "expected a number, or an empty cell."
         )
-    counted = values[:, : said.counted]
+    counted = _numbered_by_times(values[:, : said.counted], said)
     said = _at_rate_of_times(said, counted, fps)
     _tell_doubts(said, fps)
     place = values[:, said.counted :].reshape(len(cells), -1, 3)
@@ -349,6 +351,27 @@ def _frames(counted: FloatArray, said: _Capture) -> IntArray:
     # Pose2Sim counts frames from 0, OpenSim and QTM from 1
     first = numbers[0] - np.rint(counted[0, 1] * said.rate_hz)
     return numbers - (int(first) if first in (0, 1) else 1)
+
+
+def _numbered_by_times(counted: FloatArray, said: _Capture) -> FloatArray:
+    """Return numbers and times of rows, numbers mended where times jump and they do not.
+
+    OpenSim writes 1, 2, 3 ... whatever the times are, and goes by these.
+    """
+    if said.counted < 2 or said.program == "Vicon" or len(counted) < 3:
+        return counted
+    steps, steps_s = np.diff(counted, axis=0).T
+    usual_s = float(np.median(steps_s / steps)) if (steps > 0).all() else 0.0
+    if usual_s <= 0.0:
+        return counted
+    exact = abs(usual_s * said.rate_hz - 1.0) <= _OFF_USUAL  # else rounded times jump by one, too
+    off = steps_s / usual_s - steps
+    taken = np.where(np.abs(off) > (0.75 if exact else 1.5), np.rint(off), 0.0)
+    if (steps + taken < 1).any():
+        return counted
+    return np.column_stack(
+        [counted[:, 0] + np.concatenate([[0.0], np.cumsum(taken)]), counted[:, 1]]
+    )
 
 
 def _at_rate_of_times(said: _Capture, counted: FloatArray, fps: float | None) -> _Capture:

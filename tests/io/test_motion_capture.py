@@ -108,6 +108,24 @@ def test_times_of_a_trc_go_before_the_rate_in_its_header(tmp_path):
             assert read_trc(path, unit="mm").attrs["fps"] == rate
 
 
+@pytest.mark.parametrize(("left_out", "decimals"), [(1, 3), (30, 3), (30, 2)])
+def test_rows_left_out_of_a_trc_are_told_by_its_times(tmp_path, left_out, decimals):
+    # as OpenSim writes it: TRCFileAdapter::extendWrite numbers rows 1, 2, 3 ... and keeps the times
+    lines = long_trc(rate=100.0, step_s=0.01, decimals=decimals).splitlines()
+    head, rows = lines[:5], [line.split("\t") for line in lines[5:]]
+    kept = [*rows[:40], *rows[40 + left_out :]]
+    text = ["\t".join([str(i), *cells[1:]]) for i, cells in enumerate(kept, start=1)]
+    path = tmp_path / "walk.trc"
+    path.write_text("\n".join([*head, *text]).replace("\t100\tmm", f"\t{len(kept)}\tmm") + "\n")
+    tracks = read_trc(path, unit="mm")
+    x = tracks["position"].isel(space=0).to_numpy().ravel()
+    assert tracks.attrs["fps"] == 100.0
+    assert np.isnan(x[40 : 40 + left_out]).all()
+    seen = np.isfinite(x)
+    np.testing.assert_array_equal(x[seen], tracks["frame"].to_numpy()[seen] + 1.0)
+    assert seen.sum() == len(kept)
+
+
 def long_trc(*, rate, step_s, unit="mm", decimals=2):
     """Text of 100 frames of one marker."""
     rows = [f"{i + 1}\t{i * step_s:.{decimals}f}\t{i + 1}\t2\t3" for i in range(100)]
