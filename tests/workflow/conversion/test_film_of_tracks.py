@@ -76,6 +76,20 @@ def test_more_frames_than_the_film_has_and_those_from_1_are_told(film, tmp_path)
     assert "frames 1 to 80, and the film of view 'side' has 80, 0 to 79" in said
 
 
+def test_frames_of_a_film_that_began_at_another_time_are_those_of_its_own_file(film, tmp_path):
+    def of_one_view(frames):
+        write_trial(tmp_path, film, frames, view="offset = 10")
+        words = (tmp_path / "trial.toml").read_text()
+        words = words.replace('file = "clipDLC.csv"', 'file = { side = "clipDLC.csv" }')
+        (tmp_path / "trial.toml").write_text(words)
+        trial = load_trial(tmp_path)
+        return doubt_film_of_tracks(trial, read_foreign_tracks(trial))
+
+    assert of_one_view(range(N)) == []
+    (said,) = of_one_view(range(1, N + 1))
+    assert said.startswith("clipDLC.csv: frames 1 to 80, and the film of view 'side' has 80, 0 to")
+
+
 def test_places_outside_of_the_pictures_are_told(film, tmp_path):
     (said,) = doubts(tmp_path, film, range(N), zoom=2.0)
     assert "100% of the places lie outside of the pictures of view 'side', which have 160 x" in said
