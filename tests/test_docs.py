@@ -16,6 +16,7 @@ from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.gait.events.event_edits import ExcludeStride
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = (ROOT / "docs" / "published_methods.md").read_text(encoding="utf-8")
@@ -146,7 +147,30 @@ def test_readme_goes_from_video_to_a_gait_diagram(tmp_path, monkeypatch):
     made = {}
     exec(code_of("From video"), made)  # noqa: S102
     assert sorted(made["table"]["leg"].unique()) == ["FL", "FR", "HL", "HR"]
+    assert (tmp_path / "m07-35cms-03" / "results" / "tracks.nc").exists()  # as pawnb gait wants it
     plt.close("all")
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")  # ipympl
+def test_getting_started_keeps_all_where_the_commands_look_for_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    pawnb.sample_trial("m07-35cms-03", frames=150, scale=0.2)
+    page = (ROOT / "docs" / "getting_started.md").read_text(encoding="utf-8")
+    lines = re.search(r"```python\n(.*?)```", page, re.S)[1]
+    made = {}
+    opened = "explorer = pawnb.widgets.GaitExplorer"
+    exec(lines.replace("pawnb.widgets.GaitExplorer", opened), made)  # noqa: S102
+    assert [path.name for path in tmp_path.iterdir()] == ["m07-35cms-03"]
+    stride = made["gait"].strides.iloc[0]
+    made["explorer"].session.edits.apply(
+        ExcludeStride(
+            animal=stride["animal"], trial=stride["trial"], leg=stride["leg"],
+            start_s=stride["start_s"], reason="stumbled",
+        )
+    )  # fmt: skip
+    run = pawnb.run_gait("m07-35cms-03", figures="none")  # as pawnb gait does
+    assert len(run.tables.strides) == len(made["gait"].strides) - 1
 
 
 @pytest.mark.slow

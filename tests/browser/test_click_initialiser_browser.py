@@ -156,6 +156,14 @@ def test_wheel_and_rectangle_zoom_keep_image_points_under_the_mouse(clicking):
     assert len(clicks(notebook)) == 1
 
 
+def test_a_screen_reader_says_of_which_view_a_button_is(clicking):
+    notebook, _ = clicking
+    for view in ("cam1", "cam2"):
+        buttons = notebook.page.get_by_role("group", name=f"view {view}")
+        for name in ("FR", "HR", "Larger"):
+            assert buttons.get_by_role("button", name=name).count() == 1
+
+
 def test_hidden_points_the_epipolar_line_and_another_frame(clicking):
     notebook, file = clicking
     notebook.click("cam1", *truth("cam1", "FR"))

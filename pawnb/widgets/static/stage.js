@@ -31,6 +31,9 @@ class Stage extends Marks {
     this.el.dataset.view = spec.name;
     this.head = document.createElement("div");
     this.head.className = "pawnb-head";
+    // a screen reader says whose buttons these are: every view has the same
+    this.head.role = "group";
+    this.head.ariaLabel = `view ${spec.name}`;
     this.frame = document.createElement("div");
     this.frame.className = "pawnb-frame";
     this.image = document.createElement("canvas");
