@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from pawnb.gait.strides import PARTNER, choose_stride_event
 from pawnb.schema import check_columns
 
 COLUMNS = ("leg", "start_s", "end_s", "phase", "cut")
+_NOT_KNOWN = ("track", "pause", "frames")
+"""What of the table of what was dropped hides stance and swing."""
 
 
 def build_gait_diagram_table(
@@ -36,7 +39,8 @@ def build_gait_diagram_table(
     stance_from : {"auto", "AEP", "TD"}
         Stance is AEP to PEP or TD to LO; ``auto``: AEP where there is any.
     dropped : pandas.DataFrame, optional
-        The table of what was dropped; stretches without track are shown as unknown.
+        The table of what was dropped. A stance or a swing in which the foot was not tracked, or
+        the animal stood, is shown as unknown. Rows of other animals and trials do not count.
     span_s : tuple of float, optional
         Start and end of the recording; default first and last event of any leg.
 
@@ -44,9 +48,9 @@ def build_gait_diagram_table(
     -------
     pandas.DataFrame
         ``leg, start_s, end_s, phase, cut``: legs in anatomical order. ``phase`` is
-        ``stance`` or ``unknown`` (an event is missing, or the foot was not tracked);
-        ``cut`` is ``start`` or ``end`` where a stance goes on beyond the span, else
-        empty.
+        ``stance`` or ``unknown`` (an event is missing, the foot was not tracked, or the animal
+        stood); what has no bar is swing. ``cut`` is ``start`` or ``end`` where a stance goes on
+        beyond the span, else empty.
 
     Raises
     ------
@@ -77,13 +81,12 @@ def build_gait_diagram_table(
     for leg in sort_legs(events["leg"]):
         own = used[used["leg"] == leg].sort_values("time_s", kind="stable")
         bars = _bars(own["time_s"].to_numpy(), (own["event"] == begin).to_numpy(), first, last)
-        unseen = _unseen(dropped, leg)
+        unseen = _unseen(dropped, events, leg)
         for start, end, phase, cut in bars:
-            hidden = ((unseen[:, 1] > start) & (unseen[:, 0] < end)).any()
-            rows.append(
-                dict(zip(COLUMNS, (leg, start, end, "unknown" if hidden else phase, cut),
-                         strict=True))
-            )  # fmt: skip
+            if ((unseen[:, 1] > start) & (unseen[:, 0] < end)).any():
+                rows.append(dict(zip(COLUMNS, (leg, start, end, "unknown", ""), strict=True)))
+            elif phase != "swing":
+                rows.append(dict(zip(COLUMNS, (leg, start, end, phase, cut), strict=True)))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -91,27 +94,31 @@ def _bars(
     times: FloatArray, begins: BoolArray, first: float, last: float
 ) -> list[tuple[float, float, str, str]]:
     """Pair the events of one leg; what has no partner is cut by the edge or unknown."""
-    bars: list[tuple[float, float, str, str]] = []
     if len(times) == 0:
         return [(first, last, "unknown", "")]
-    if not begins[0] and times[0] > first:
-        bars.append((first, float(times[0]), "stance", "start"))
-    for i in range(len(times) - 1):
-        a, b = float(times[i]), float(times[i + 1])
-        if begins[i] == begins[i + 1]:
+    # what is under way before the first event, and after the last, is cut by the edge
+    at = [first, *(float(time) for time in times), last]
+    goes_on = [not begins[0], *(bool(begin) for begin in begins)]
+    bars: list[tuple[float, float, str, str]] = []
+    for i, (a, b) in enumerate(pairwise(at)):
+        edge = "start" if i == 0 else "end" if i == len(times) else ""
+        if edge and a >= b:
+            continue
+        if not edge and goes_on[i] == goes_on[i + 1]:
             bars.append((a, b, "unknown", ""))
-        elif begins[i]:
-            bars.append((a, b, "stance", ""))
-    if begins[-1] and times[-1] < last:
-        bars.append((float(times[-1]), last, "stance", "end"))
+        else:
+            bars.append((a, b, "stance" if goes_on[i] else "swing", edge))
     return bars
 
 
-def _unseen(dropped: pd.DataFrame | None, leg: str) -> FloatArray:
-    """Return start and end of each stretch in which a leg was not tracked."""
+def _unseen(dropped: pd.DataFrame | None, events: pd.DataFrame, leg: str) -> FloatArray:
+    """Return start and end of each stretch in which nobody knows what a leg of a trial did."""
     if dropped is None:
         return np.empty((0, 2))
-    own = dropped[(dropped["leg"] == leg) & (dropped["what"] == "track")]
+    own = dropped[dropped["leg"].isin([leg, ""]) & dropped["what"].isin(_NOT_KNOWN)]
+    for name in ("animal", "trial"):
+        if name in own and name in events:
+            own = own[own[name] == events[name].iloc[0]]
     return own[["start_s", "end_s"]].to_numpy(dtype=float)
 
 

@@ -8,8 +8,10 @@ import pandas as pd
 import pytest
 from matplotlib.colors import to_hex
 
+from pawnb import load_tracks
 from pawnb.errors import InputError
 from pawnb.figures import build_gait_diagram_table, plot_gait_diagram
+from pawnb.gait import analyse
 
 mpl.use("Agg")
 
@@ -72,6 +74,51 @@ def test_stance_that_was_not_tracked_is_unknown():
     )
     table = build_gait_diagram_table(events(**TWO), dropped=dropped)
     assert table["phase"].tolist() == ["unknown", "stance", "stance", "stance", "stance"]
+
+
+@pytest.mark.parametrize("what", ["track", "pause"])
+def test_swing_that_was_not_tracked_is_not_shown_as_a_foot_in_the_air(what):
+    # FR swings from 0.4 to 0.6, FL from 0.3 to 0.5 and from 0.8 to 0.9
+    gone = pd.DataFrame(
+        [("FR", 0.45, 0.5, what), ("FL", 0.85, 0.87, what)],
+        columns=["leg", "start_s", "end_s", "what"],
+    )
+    table = build_gait_diagram_table(events(**TWO), dropped=gone)
+    unknown = table[table["phase"] == "unknown"][["leg", "start_s", "end_s"]]
+    assert unknown.to_numpy().tolist() == [["FR", 0.4, 0.6], ["FL", 0.8, 0.9]]
+    assert (table["phase"] == "stance").sum() == len(build_gait_diagram_table(events(**TWO)))
+
+
+def test_a_swing_cut_by_the_edge_of_the_recording_is_unknown_where_it_was_not_tracked():
+    gone = pd.DataFrame(
+        [("", 0.0, 0.05, "frames"), ("", 1.1, 1.2, "frames")],
+        columns=["leg", "start_s", "end_s", "what"],
+    )
+    table = build_gait_diagram_table(events(**TWO), dropped=gone, span_s=(0.0, 1.2))
+    unknown = table[table["phase"] == "unknown"][["leg", "start_s", "end_s", "cut"]]
+    assert unknown.to_numpy().tolist() == [
+        ["FR", 0.0, 0.1, ""], ["FR", 1.0, 1.2, ""], ["FL", 0.0, 0.3, ""], ["FL", 0.9, 1.2, ""],
+    ]  # fmt: skip
+
+
+def test_what_was_dropped_in_other_trials_hides_nothing():
+    gone = pd.DataFrame(
+        [("m", "other", "FR", 0.2, 0.3, "track"), ("m", "t", "FL", 0.6, 0.7, "track")],
+        columns=["animal", "trial", "leg", "start_s", "end_s", "what"],
+    )
+    table = build_gait_diagram_table(events(**TWO), dropped=gone)
+    assert table.loc[table["phase"] == "unknown", "leg"].tolist() == ["FL"]
+
+
+@pytest.mark.slow
+def test_a_mouse_that_stands_has_no_feet_in_the_air(real_data):
+    """Hatched, or in stance: no foot swings for seconds while a mouse grooms or rears."""
+    file = real_data("mouse-openfield-dlc") / "raw_clip1DLC.csv"
+    found = analyse(load_tracks(file, fps=60.0))
+    table = build_gait_diagram_table(found.events, dropped=found.dropped)
+    for _, own in table.groupby("leg"):
+        swing_s = own["start_s"].to_numpy()[1:] - own["end_s"].to_numpy()[:-1]
+        assert swing_s.max() < 1.0  # s; a swing of a mouse lasts a tenth of that
 
 
 def test_contact_can_be_asked_for():
