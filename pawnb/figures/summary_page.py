@@ -94,6 +94,7 @@ def plot_summary_page(
     events: pd.DataFrame,
     strides: pd.DataFrame,
     phases: pd.DataFrame,
+    dropped: pd.DataFrame | None = None,
     unit: str | None = None,
     notes: Sequence[str] = (),
 ) -> Axes:
@@ -109,6 +110,8 @@ def plot_summary_page(
         From :func:`build_summary_page_table`.
     events, strides, phases : pandas.DataFrame
         The gait tables; rows of other animals are left out.
+    dropped : pandas.DataFrame, optional
+        As for :func:`~pawnb.figures.build_gait_diagram_table`: what is not known is hatched.
     unit : str, optional
         Unit of length.
     notes : sequence of str
@@ -129,7 +132,8 @@ def plot_summary_page(
     --------
     >>> table = figures.build_summary_page_table(gait.strides, animal="spider-01")
     >>> ax = figures.plot_summary_page(
-    ...     table, events=gait.events, strides=gait.strides, phases=gait.phases, unit="mm"
+    ...     table, events=gait.events, strides=gait.strides, phases=gait.phases,
+    ...     dropped=gait.dropped, unit="mm",
     ... )
     """
     check_columns(table, ("animal", "leg", "n_strides", "n_trials"), where="summary page")
@@ -145,7 +149,7 @@ def plot_summary_page(
         ratios += [0.15 + _LINE_SHARE * len(lines)] if lines else []
         figure = _new_page(sum(ratios), further=max(0, len(lines) - _LINES_ON_A4))
         rows: Any = figure.subfigures(len(ratios), 1, height_ratios=ratios)
-        first = _draw_diagram(rows[1], events, strides)
+        first = _draw_diagram(rows[1], events, strides, dropped)
         _draw_roses(rows[2], phases)
         _draw_table(rows[3], table, unit)
         _draw_lines(rows[4], strides, unit)
@@ -198,12 +202,14 @@ def _part_of_bars(table: pd.DataFrame, start: float, stop: float) -> pd.DataFram
     return table.assign(start_s=begin, end_s=end, cut=cut)
 
 
-def _draw_diagram(part: Any, events: pd.DataFrame, strides: pd.DataFrame) -> Axes:
+def _draw_diagram(
+    part: Any, events: pd.DataFrame, strides: pd.DataFrame, dropped: pd.DataFrame | None
+) -> Axes:
     """Draw some strides of the trial that has the most."""
     ax: Axes = part.subplots()
     trial = strides["trial"].value_counts(sort=True).index[0]
     own = events[events["trial"] == trial]
-    table = build_gait_diagram_table(own)
+    table = build_gait_diagram_table(own, dropped=dropped)
     period = float(strides.loc[strides["trial"] == trial, "period_s"].median())
     low, high = float(table["start_s"].min()), float(table["end_s"].max())
     span_s = _SHOWN_STRIDES * period

@@ -53,6 +53,21 @@ def test_table_by_hand():
     assert table["speed_mean"].isna().all()
 
 
+def test_what_is_not_known_is_hatched_on_the_page():
+    made = tables()
+    # L1 is in the air from 0.52 to 0.63 s
+    gone = pd.DataFrame(
+        [("a", "t", "L1", 0.55, 0.6, "pause")],
+        columns=["animal", "trial", "leg", "start_s", "end_s", "what"],
+    )
+    table = build_summary_page_table(made.strides, animal="a")
+    ax = plot_summary_page(
+        table, events=made.events, strides=made.strides, phases=made.phases, dropped=gone
+    )
+    hatched = [bar for bar in ax.patches if bar.get_hatch()]
+    assert [(bar.get_x(), bar.get_width()) for bar in hatched] == [pytest.approx((0.52, 0.11))]
+
+
 def texts(figure):
     return [t.get_text() for t in figure.findobj(mpl.text.Text) if t.get_text()]
 

@@ -236,6 +236,7 @@ def _of_strides(
             events=tables.events,
             strides=strides,
             phases=tables.phases,
+            dropped=tables.dropped,
             unit=unit,
             notes=_about(animal, strides, notes),
         )
