@@ -47,7 +47,11 @@ def choose_pairs(
     """
     check_columns(phases, PHASES_COLUMNS, where="phases")
     if len(phases) == 0:
-        raise InputError(f"{where}: no phases; expected at least one.")
+        raise InputError(
+            f"{where}: no phases; expected those of two legs that make strides at the same time. "
+            "What is missing stands in the tables 'dropped' and 'notes' of the analysis; correct "
+            "the tracks or events, or take a longer recording."
+        )
     if not phases["phase"].between(0.0, 1.0, inclusive="left").all():
         raise InputError(f"{where}: a phase is not in [0, 1); give phases in cycles.")
     groups = {

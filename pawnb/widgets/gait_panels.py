@@ -19,7 +19,7 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from pawnb import figures
-from pawnb.figures.style import OKABE_ITO
+from pawnb.figures.style import OKABE_ITO, colour_legs
 from pawnb.widgets.gait_session import EVENT_KINDS, GaitSession
 from pawnb.widgets.plot_theme import SCREEN_PT, on_screen, shortened
 
@@ -175,7 +175,7 @@ class GaitPanels:
         named = shortened(leg, _NAME_LETTERS)
         if signal is not None:
             column = signal.samples[:, signal.legs.index(leg)]
-            ax.plot(signal.time_s, column, color=_LINE, linewidth=1.3)
+            ax.plot(signal.time_s, column, color=self._leg_colour(), linewidth=1.3)
             ax.set_ylabel(f"{named}: {signal.signal} ({signal.unit})")
         else:
             ax.set_ylabel(f"{named}: events")
@@ -228,7 +228,10 @@ class GaitPanels:
         """Draw period and duty factor of every stride of the leg."""
         ax, own = self.strides, self.leg_points()
         ax.clear()
-        ax.plot(own["period_s"], own["duty_factor"], "o", markersize=5, color=_LINE, alpha=0.8)
+        ax.plot(
+            own["period_s"], own["duty_factor"], "o", markersize=5, color=self._leg_colour(),
+            alpha=0.8,
+        )  # fmt: skip
         ax.margins(0.12)
         for axis, values in (("x", own["period_s"]), ("y", own["duty_factor"])):
             _at_least(ax, axis, 0.05 * float(values.mean()) if len(own) else 1.0)
@@ -237,6 +240,10 @@ class GaitPanels:
         ax.set(xlabel=f"Period of {leg} (s)", ylabel="Duty factor")
         if own.empty:
             _say(ax, "none")
+
+    def _leg_colour(self) -> str:
+        """Return the colour that the leg has in the gait diagram; blue where it has no row."""
+        return colour_legs(self.rows).get(self.session.shown_leg, _LINE)
 
     def leg_points(self) -> pd.DataFrame:
         """Return the strides of the leg that is shown, those with a duty factor."""

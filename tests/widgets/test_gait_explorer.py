@@ -8,11 +8,14 @@ import threading
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait.events.event_edits import replay_event_edits
 from pawnb.synthetic.spider_study import simulate_spider_study
+from pawnb.widgets.gait_panels import GaitPanels
 from pawnb.widgets.gait_session import GaitSession
 
 FROM_IPYMPL = "ignore:Passing unrecognized arguments:DeprecationWarning"
@@ -179,6 +182,19 @@ class Mouse:
     def __init__(self, ax, x, y=0.0):
         self.inaxes, self.xdata, self.ydata = ax, x, y
         self.x, self.y = ax.transData.transform((x, y))
+
+
+def test_a_leg_has_one_colour_in_every_plot(tables):
+    session = GaitSession(tables)
+    panels = GaitPanels(Figure(), session)
+    panels.draw()
+    for leg in ("R1", "L1"):
+        session.pick(leg, 0.45)
+        panels.draw_leg()
+        row = panels.rows.index(leg)
+        bars = [bar for bar in panels.diagram.patches if abs(bar.get_y() + 0.35 - row) < 0.01]
+        point = panels.strides.lines[0]
+        assert to_hex(point.get_color()) == to_hex(bars[0].get_facecolor())
 
 
 @pytest.mark.slow
