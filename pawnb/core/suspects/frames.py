@@ -28,6 +28,7 @@ import pandas as pd
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
+from pawnb.core.paws.offline.self_training.doubted_clicks import doubted_clicks_of
 from pawnb.core.rig import Rig
 from pawnb.core.suspects.chances import SEEN_AROUND_FRAMES, doubted_labels
 from pawnb.core.suspects.evidence import LabelEvidence, collect_evidence, image_positions
@@ -131,7 +132,8 @@ def find_suspects(
         ``image_confidence`` is the chance of being right, every label that is wrong with a chance
         of 0.1 and more has a row of its own; the score is the number of labels that a look at it
         is expected to show as wrong besides those that rows before it show
-        (:mod:`pawnb.core.suspects.chances`).
+        (:mod:`pawnb.core.suspects.chances`). So has a click that those of other frames
+        contradict, for the labels that are nearer to it than to another click.
 
     Raises
     ------
@@ -208,6 +210,24 @@ def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
         sure = f"the tracker is {100 * (1 - wrong[t, v, p]):.0f} % sure of it"
         said = sure if known[t, v, p] else "it was not found here"
         rows.append((int(frames[t]), views[v], points[p], said, round(label.score, 4)))
+    return sorted([*_by_clicks(tracks), *rows], key=lambda row: -row[-1])
+
+
+def _by_clicks(tracks: Tracks) -> list[Row]:
+    """List clicks that others contradict: labels are as wrong up to half way to the next click."""
+    frames, rows = tracks["frame"].to_numpy(), []
+    by_hand = _placed_by_hand(tracks)
+    for one in doubted_clicks_of(tracks):
+        v, p = (
+            tracks[name].to_numpy().tolist().index(own)
+            for name, own in (("view", one.view), ("keypoint", one.point))
+        )
+        others = frames[by_hand[:, v, p] & (frames != one.frame)]
+        away = np.abs(frames[:, None] - others[None].astype(float)).min(axis=1, initial=np.inf)
+        wrong = one.sure * float((np.abs(frames - one.frame) < away).sum())
+        where = f"to the click of {one.other}" if one.other else "far from this click"
+        said = f"clicks in other frames lead {where}"
+        rows.append((one.frame, one.view, one.point, said, round(wrong, 4)))
     return rows
 
 

@@ -10,10 +10,16 @@ from pathlib import Path
 import numpy as np
 
 from pawnb.core.lens import load_lenses
+from pawnb.core.paws.offline.self_training.doubted_clicks import (
+    LOOK_AT_CLICKS,
+    doubted_clicks_in_words,
+    doubted_clicks_of,
+)
 from pawnb.core.pixels.grey import has_colour
 from pawnb.core.rig import load_rig
 from pawnb.core.suspects.moved_views import moved_views_of
 from pawnb.core.video import Frame, ViewReader, ViewSet, open_views
+from pawnb.core.video.doubts.cuts import cuts_of_views, tell_cuts
 from pawnb.core.video.doubts.interlaced import HOW_TO_MEND, looks_interlaced
 from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes, tell_repeats
@@ -36,6 +42,9 @@ from pawnb.workflow.provenance.mended_trial import as_described_now
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
 from pawnb.workflow.tracking.methods import stage_parameters, tracker_settings
 from pawnb.workflow.tracking.unsynchronised import doubt_synchronisation
+
+_MOST_LOOKED_FOR_CUTS = 2000
+"""Resource: frames in which a check looks for cuts; tracking looks in all."""
 
 
 def check_trial(trial: Trial | str | Path) -> CheckReport:
@@ -113,6 +122,8 @@ def _check_results(trial: Trial, report: CheckReport, sizes: Mapping[str, list[i
     with suppress(PawnbError):  # a calibration that cannot be read is said where it is needed
         rig = load_rig(trial, sizes=picture_sizes(trial))
         report.doubts += [f"{name}: {one.sentence}" for one in moved_views_of(tracks, rig)]
+    clicked = doubted_clicks_in_words(doubted_clicks_of(tracks))
+    report.doubts += [f"{name}: {words}; {LOOK_AT_CLICKS}" for words in clicked]
     before = json.loads(tracks.attrs.get("pictures_px", "{}"))
     for name, size in sizes.items():
         was = before.get(name, size)
@@ -244,6 +255,8 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
                 report.doubts += doubt_synchronisation(trial, views, start=first, stop=stop)
                 report.doubts += _doubt_weave(trial, views, first, stop)
                 report.doubts += tell_repeats(trial, views, start=first, stop=stop)
+                looked = min(stop, first + _MOST_LOOKED_FOR_CUTS)
+                report.doubts += tell_cuts(views, cuts_of_views(views, start=first, stop=looked))
                 report.doubts += tell_freezes(
                     views, freezes_of_views(trial, views, start=first, stop=stop)
                 )

@@ -10,9 +10,14 @@ import pandas as pd
 
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
+from pawnb.core.paws.offline.self_training.doubted_clicks import (
+    doubted_clicks_in_words,
+    doubted_clicks_of,
+)
 from pawnb.core.pose.as_tracks import BODY_POINT, animal_of, is_pose
 from pawnb.core.pose.pose_suspects import chances_of_crossing, chances_of_tips
 from pawnb.core.suspects.moved_views import MOVED_VIEWS
+from pawnb.core.video.doubts.cuts import cuts_in_words
 from pawnb.core.video.doubts.frozen_labels import freezes_in_words, freezes_of_tracks
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import as_word, read_text
@@ -37,7 +42,8 @@ def assess_quality(tracks: Tracks) -> Quality:
     -------
     Quality
         ``verdict`` is ``"failed"`` where fewer than half of the labels are expected to be right,
-        ``"look"`` below 90 %, else ``"good"``; so has each of its ``points``, with reasons.
+        ``"look"`` below 90 %, or where clicks contradict each other or a film is cut, else
+        ``"good"``; so has each of its ``points``, with reasons.
         ``line()`` says it in one line.
 
     Raises
@@ -59,7 +65,12 @@ def assess_quality(tracks: Tracks) -> Quality:
         for view, own in freezes_of_tracks(tracks).items()
     )
     moved = json.loads(tracks.attrs.get(MOVED_VIEWS, "[]"))
-    return replace(quality, reasons=(*still, *moved, *quality.reasons))
+    clicked = doubted_clicks_in_words(doubted_clicks_of(tracks))
+    cuts = cuts_in_words(tracks)
+    # labels go through every click, and across a cut
+    if (clicked or cuts) and quality.verdict == "good":
+        quality = replace(quality, verdict="look")
+    return replace(quality, reasons=(*still, *cuts, *moved, *clicked, *quality.reasons))
 
 
 def verdict_on(tracks: Tracks) -> Quality | None:

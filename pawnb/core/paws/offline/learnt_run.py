@@ -36,6 +36,11 @@ from pawnb.core.paws.offline.reuse.retracking import (
 )
 from pawnb.core.paws.offline.scene.extents import with_extents
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
+from pawnb.core.paws.offline.self_training.doubted_clicks import (
+    DoubtedClick,
+    doubted_as_attributes,
+    find_doubted_clicks,
+)
 from pawnb.core.paws.offline.self_training.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.self_training.weighing import Weighing, weigh
 from pawnb.core.paws.offline.treadmill.annotations import read_placements
@@ -239,6 +244,8 @@ class _Run:
         How far kinds were trusted in the first window.
     learnt : dict
         View to what was learnt of it so far.
+    doubted : list of DoubtedClick
+        Clicks that others contradict.
     said : list of str
         How the body's frame was found in each view.
     """
@@ -254,6 +261,7 @@ class _Run:
     again: Again | None
     weighing: Weighing | None = None
     learnt: dict[str, Learnt] = field(default_factory=dict)
+    doubted: list[DoubtedClick] = field(default_factory=list)
     said: list[str] = field(default_factory=list)
 
     @functools.cached_property
@@ -282,6 +290,7 @@ class _Run:
             "body_frame": "; ".join(self.said),
             **({} if weighing is None else weighing_as_attributes(weighing, points)),
             LEARNT_IN: learnt_as_text(self.learnt, points, first),
+            **doubted_as_attributes(self.doubted),
         }
 
     def _track_window(
@@ -316,6 +325,10 @@ class _Run:
             else weighing_of(again.tracks, self.layout.points)
         )
         self.weighing = self.weighing or weighing
+        self.doubted += find_doubted_clicks(
+            weighing.left_out, points=self.layout.points, rig=self.layout.rig,
+            placed=dict(zip(self.layout.views, self.placed, strict=True)), rows=(first, begin),
+        )  # fmt: skip
         results = run_pipeline(
             inputs, n_points=n_points, parameters=self.parameters, rig=self.layout.rig,
             rows=rows, weighing=weighing,

@@ -6,6 +6,12 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from pawnb.core.paws.offline.quality.assessment import Quality
+from pawnb.core.paws.offline.self_training.doubted_clicks import (
+    LOOK_AT_CLICKS,
+    doubted_clicks_in_words,
+    doubted_clicks_of,
+)
+from pawnb.core.video.doubts.cuts import cuts_in_words
 from pawnb.gait.analysis.notes import Note, trial_of
 from pawnb.schema import Tracks
 from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
@@ -15,7 +21,7 @@ _STILL_COUNTS = "the trial counts like the others: review it, track it again, or
 
 
 def notes_on_tracking(seen: Sequence[SourceTracks]) -> list[Note]:
-    """Say which trials have tracks that failed, or that end where their run was stopped.
+    """Say which trials have tracks that failed, or of films or clicks that do not go together.
 
     Parameters
     ----------
@@ -32,7 +38,12 @@ def notes_on_tracking(seen: Sequence[SourceTracks]) -> list[Note]:
     for one in seen:
         shared = names[one.trial] > 1 and one.animal is not None
         where = trial_of(str(one.animal), one.trial) if shared else one.trial
-        said = [*_failed(one.quality), *_stopped(one.tracks)]
+        said = [
+            *_failed(one.quality),
+            *_cuts(one.tracks),
+            *_clicks(one.tracks),
+            *_stopped(one.tracks),
+        ]
         notes += [Note(sentence, where=where) for sentence in said]
     return notes
 
@@ -52,6 +63,18 @@ def _failed(quality: Quality | None) -> Iterator[str]:
             "and phases with it count like the others: review it, track it again, or leave it out "
             "(--legs)."
         )
+
+
+def _clicks(tracks: Tracks) -> Iterator[str]:
+    """Say which clicks those of other frames contradict."""
+    for words in doubted_clicks_in_words(doubted_clicks_of(tracks)):
+        yield f"start clicks: {words}. Strides about them may be wrong: {LOOK_AT_CLICKS}."
+
+
+def _cuts(tracks: Tracks) -> Iterator[str]:
+    """Say where films leap."""
+    for words in cuts_in_words(tracks):
+        yield f"{words}. A stride across it is none: make a trial of each part, and track again."
 
 
 def _stopped(tracks: Tracks) -> Iterator[str]:

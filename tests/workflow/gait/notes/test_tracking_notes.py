@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 
 import pytest
 from trotting import LEGS, walking_tracks
 
 from pawnb.core.paws.offline.quality.assessment import PointQuality, Quality
-from pawnb.schema import add_provenance
+from pawnb.schema import add_provenance, make_tracks
 from pawnb.workflow.gait.drawing.source_drawings import SourceTracks
 from pawnb.workflow.gait.notes.tracking_notes import notes_on_tracking
 from pawnb.workflow.gait.run import run_gait
@@ -76,3 +77,18 @@ def test_a_real_fly_of_which_tracking_fails(real_data, tmp_path):
     (note,) = [note for note in run.tables.notes if "tracking failed" in note]
     assert note.startswith("fly_ball_left: tracking failed: L1 (")
     assert "tracking failed" in (run.out / "notes.csv").read_text()
+
+
+def test_clicks_that_contradict_each_other_and_films_that_are_cut_are_named():
+    """Both were known when the trial was tracked, and nobody who read its gait heard of it."""
+    one = seen(quality("good", FR=1.0))
+    tracks = make_tracks(range(40), LEGS, fps=50.0, views=["side"], space=("x", "y"))
+    tracks["image_position"][:] = 7.0
+    vars(one)["tracks"] = tracks
+    leg, other, frame, view = LEGS[0], LEGS[1], 20, "side"
+    click = {"view": view, "frame": frame, "point": leg, "sure": 0.97, "u": 7.0, "v": 7.0,
+             "other": other, "beside": [frame - 10]}  # fmt: skip
+    tracks.attrs |= {"doubted_clicks": json.dumps([click]), "cuts": json.dumps({view: [frame]})}
+    cut, clicked = (note.what for note in notes_on_tracking([one]))
+    assert f"is cut, or leaps, from frame {frame - 1} to {frame}. A stride across it" in cut
+    assert f"under each other's names in frame {frame} (if not in {frame - 10})" in clicked

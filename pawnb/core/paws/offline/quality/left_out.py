@@ -34,12 +34,27 @@ class LeftOutClick:
         Whether the estimate was there.
     signs : ndarray, shape (7,)
         Signs of the estimate (:meth:`.signs.Signs.columns`).
+    view : str
+        The view.
+    row : int
+        The row of the view that was left out.
+    off : float
+        How far the estimate is from the click, in halves of a paw.
+    taken : int or None
+        The other point whose click of that frame is within half a paw of the estimate.
+    on_others : float
+        Probability within half a paw of another point's click of that frame, the largest.
     """
 
     point: int
     found: float
     right: bool
     signs: FloatArray
+    view: str = ""
+    row: int = 0
+    off: float = 0.0
+    taken: int | None = None
+    on_others: float = 0.0
 
 
 def offsets(

@@ -49,10 +49,13 @@ class Weighing:
     offsets : mapping
         Point to how much the log-odds of its labels differ from what their signs say
         (:func:`.quality.left_out.offsets`); without points that were clicked in one frame only.
+    left_out : tuple of LeftOutClick
+        The clicks that were left out, and what was found of them by these powers.
     """
 
     powers: Powers
     offsets: Mapping[int, float] = field(default_factory=dict)
+    left_out: tuple[LeftOutClick, ...] = ()
 
 
 def usual_powers(parameters: OfflineParameters) -> Powers:
@@ -111,7 +114,8 @@ def weigh(views: Sequence[ViewInput], n_points: int, parameters: OfflineParamete
         if score(powers) > least:
             best, least = powers, score(powers)
     outcomes = [by_powers[best][i] or one.outcome(best) for i, one in enumerate(frames)]
-    return Weighing(best, offsets([click for clicks in outcomes for click in clicks]))
+    left_out = tuple(click for clicks in outcomes for click in clicks)
+    return Weighing(best, offsets(left_out), left_out)
 
 
 def _left_out_rows(view: ViewInput, parameters: OfflineParameters) -> list[int]:
@@ -152,6 +156,7 @@ class _LeftOut:
         begin = max((r for r in self.rest.rows if r < row), default=0)
         end = 1 + min((r for r in self.rest.rows if r > row), default=stack.shape[0] - 1)
         self.between = self.rest.rows[0] < row < self.rest.rows[-1]
+        self.whole_row = row
         self.row, self.part = row - begin, stack.part(begin, end)
         self.placed = self.rest.part(begin, end)
         classify = learn_appearance(
@@ -185,12 +190,20 @@ class _LeftOut:
         )
         outcomes = []
         for p, place in self.clicked.items():
-            off = float(np.linalg.norm(estimates[p].place[self.row] - place))
+            there = estimates[p].place[self.row]
+            off = float(np.linalg.norm(there - place))
+            mass = posteriors[p].mass[self.row]
+            others = {q: at for q, at in self.clicked.items() if q != p}
+            near = [q for q, at in others.items() if np.linalg.norm(there - at) <= self.radius]
             outcomes.append(
                 LeftOutClick(
-                    p, _within(posteriors[p].mass[self.row], place, self.radius),
+                    p, _within(mass, place, self.radius),
                     right=off <= RUN.weighing_near * self.radius,
                     signs=signs[p].columns()[self.row],
+                    view=self.view.name, row=self.whole_row, off=off / self.radius,
+                    taken=near[0] if near else None,
+                    on_others=max((_within(mass, at, self.radius) for at in others.values()),
+                                  default=0.0),
                 )
             )  # fmt: skip
         return outcomes

@@ -1,0 +1,80 @@
+"""Films that are cut are told from those that are not; where they are cut is known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pawnb.core.video import open_views
+from pawnb.core.video.doubts.cuts import (
+    cuts_in_words,
+    cuts_of_views,
+    find_leaps,
+    tell_cuts,
+    with_cuts,
+)
+from pawnb.core.video.file import VideoFile
+from pawnb.schema import make_tracks
+from pawnb.synthetic.colour_video import H264VideoWriter
+from pawnb.trial import Animal, Trial, View
+
+
+def test_a_change_twice_as_large_as_any_about_it_is_a_leap():
+    changes = np.array([3.0, 4.0] * 20)
+    assert find_leaps(changes) == []
+    changes[17] = 9.0
+    assert find_leaps(changes) == [17]
+    # a flash leaps twice, and what begins to move goes on moving
+    changes[18] = 8.0
+    assert find_leaps(changes) == []
+    assert find_leaps(np.array([1.0] * 20 + [8.0] * 20)) == []
+
+
+def test_noise_and_the_ends_of_a_film_tell_nothing():
+    still = np.full(40, 0.02)
+    still[20] = 0.9  # a key picture of a film in which nothing moves
+    assert find_leaps(still) == []
+    ends = np.full(40, 2.0)
+    ends[[2, 37]] = 30.0
+    assert find_leaps(ends) == []
+    assert find_leaps(np.array([])) == []
+
+
+def trial(tmp_path, video, n):
+    view = View(name="side", video=video.name, points=("nose",))
+    return Trial(
+        kind="paws", name="t", fps=24.0, animal=Animal(id="m"), folder=tmp_path, views=(view,),
+        frames=(0, n),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("clip", ["horse_walk/side.mp4", "mouse_openfield_top/top.mp4"])
+def test_a_real_film_of_which_frames_were_cut_out(real_data, tmp_path, clip):
+    """Frames 40 to 69 are left out: what was frame 70 is the first after the cut."""
+    film = VideoFile(real_data("real-clips") / clip)
+    first = 90 if film.width < 300 else 600
+    for cut in (False, True):
+        chosen = [*range(first, first + 40), *range(first + (70 if cut else 40), first + 110)]
+        path = tmp_path / f"{cut}.mp4"
+        with H264VideoWriter(path, size=(film.width, film.height), fps=24, crf=23) as writer:
+            for k in chosen:
+                picture = film.grab(k).region(0, 0, film.width, film.height)
+                grey = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
+                writer.write(np.ascontiguousarray(grey))
+        with open_views(trial(tmp_path, path, len(chosen))) as views:
+            cuts = cuts_of_views(views, start=0, stop=len(chosen))
+            assert cuts == ({"side": [40]} if cut else {})
+            told = tell_cuts(views, cuts)
+        assert len(told) == cut
+        assert all(
+            one.startswith("True.mp4 leaps from frame 39 to 40: the film is") for one in told
+        )
+
+
+def test_tracks_say_it_only_of_a_cut_that_they_cross():
+    tracks = make_tracks(range(20, 60), ["a"], fps=50.0, views=["side"], space=("x", "y"))
+    words = ["the film of view side is cut, or leaps, from frame 39 to 40"]
+    assert cuts_in_words(with_cuts(tracks, {"side": [40, 80]})) == words
+    assert cuts_in_words(with_cuts(tracks, {"side": [20]})) == []
+    assert cuts_in_words(with_cuts(tracks, {})) == []
