@@ -256,7 +256,9 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
                 report.doubts += _doubt_weave(trial, views, first, stop)
                 report.doubts += tell_repeats(trial, views, start=first, stop=stop)
                 looked = min(stop, first + _MOST_LOOKED_FOR_CUTS)
-                report.doubts += tell_cuts(views, cuts_of_views(views, start=first, stop=looked))
+                report.doubts += tell_cuts(
+                    views, cuts_of_views(trial, views, start=first, stop=looked)
+                )
                 report.doubts += tell_freezes(
                     views, freezes_of_views(trial, views, start=first, stop=stop)
                 )

@@ -166,7 +166,7 @@ def _tell_doubts(
 ) -> tuple[Freezes, Cuts]:
     """Warn of what looks wrong in clicks and films; return where films stand still, and leap."""
     freezes = freezes_of_views(trial, views, start=frames[0], stop=frames[1])
-    cuts = {} if quick else cuts_of_views(views, start=frames[0], stop=frames[1])
+    cuts = {} if quick else cuts_of_views(trial, views, start=frames[0], stop=frames[1])
     doubts = [*doubts, *tell_cuts(views, cuts), *tell_freezes(views, freezes)]
     if not quick and may_be_unsynchronised(trial, views):
         doubts = [*doubts, *doubt_synchronisation(trial, views, start=frames[0], stop=frames[1])]

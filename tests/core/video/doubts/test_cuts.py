@@ -40,8 +40,8 @@ def test_noise_and_the_ends_of_a_film_tell_nothing():
     assert find_leaps(np.array([])) == []
 
 
-def trial(tmp_path, video, n):
-    view = View(name="side", video=video.name, points=("nose",))
+def trial(tmp_path, video, n, **more):
+    view = View(name="side", video=video.name, points=("nose",), **more)
     return Trial(
         kind="paws", name="t", fps=24.0, animal=Animal(id="m"), folder=tmp_path, views=(view,),
         frames=(0, n),
@@ -62,14 +62,27 @@ def test_a_real_film_of_which_frames_were_cut_out(real_data, tmp_path, clip):
                 picture = film.grab(k).region(0, 0, film.width, film.height)
                 grey = picture if picture.ndim == 3 else np.repeat(picture[..., None], 3, axis=2)
                 writer.write(np.ascontiguousarray(grey))
-        with open_views(trial(tmp_path, path, len(chosen))) as views:
-            cuts = cuts_of_views(views, start=0, stop=len(chosen))
+        own = trial(tmp_path, path, len(chosen))
+        with open_views(own) as views:
+            cuts = cuts_of_views(own, views, start=0, stop=len(chosen))
             assert cuts == ({"side": [40]} if cut else {})
             told = tell_cuts(views, cuts)
         assert len(told) == cut
-        assert all(
-            one.startswith("True.mp4 leaps from frame 39 to 40: the film is") for one in told
-        )
+        assert all("True.mp4 leaps from frame 39 to 40: the film is" in one for one in told)
+
+
+def test_where_the_animal_comes_after_frames_that_are_said_to_be_empty_is_no_cut(tmp_path):
+    rng = np.random.default_rng(2)
+    empty = rng.integers(60, 90, (48, 64, 3)).astype(np.uint8)
+    animal = empty.copy()
+    animal[10:40, 10:50] = 220
+    with H264VideoWriter(tmp_path / "film.mp4", size=(64, 48), fps=24, crf=18) as writer:
+        for k in range(40):
+            writer.write(empty if k < 20 else animal)
+    for empty_frames, found in ((None, {"side": [20]}), ((0, 20), {}), ((0, 10), {"side": [20]})):
+        own = trial(tmp_path, tmp_path / "film.mp4", 40, background_frames=empty_frames)
+        with open_views(own) as views:
+            assert cuts_of_views(own, views, start=0, stop=40) == found
 
 
 def test_tracks_say_it_only_of_a_cut_that_they_cross():

@@ -162,10 +162,10 @@ def doubted_clicks_of(tracks: Tracks) -> list[DoubtedClick]:
     if not doubted:
         return []
     frames, own = tracks["frame"].to_numpy(), tracks["image_position"].isel(individual=0)
-    points = tracks["keypoint"].to_numpy().tolist()
+    points, views = (tracks[name].to_numpy().tolist() for name in ("keypoint", "view"))
 
     def is_there(one: DoubtedClick) -> bool:
-        if one.frame not in frames or one.point not in points:
+        if one.frame not in frames or one.point not in points or one.view not in views:
             return False
         at = own.sel(view=one.view, keypoint=one.point).isel(
             time=int(np.argmax(frames == one.frame))

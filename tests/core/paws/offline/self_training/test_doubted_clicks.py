@@ -137,6 +137,8 @@ def test_the_verdict_and_the_first_suspect_name_the_click(tracks):
 def test_a_click_that_was_corrected_since_is_not_doubted(tracks):
     tracks["image_position"][20, 0, 0, 0, 0] = 10.0
     assert [one.point for one in doubted_clicks_of(tracks)] == ["HR"]
+    for part in (tracks.isel(time=slice(20)), tracks.sel(keypoint=["HL"]), tracks.sel(view=[])):
+        assert not doubted_clicks_of(part)
 
 
 @pytest.mark.slow
