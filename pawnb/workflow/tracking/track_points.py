@@ -11,6 +11,7 @@ import pandas as pd
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
+from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.offline.self_training.doubted_clicks import (
     LOOK_AT_CLICKS,
@@ -20,7 +21,7 @@ from pawnb.core.paws.offline.self_training.doubted_clicks import (
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.cuts import Cuts, cuts_of_views, tell_cuts, with_cuts
+from pawnb.core.video.doubts.cuts import cuts_of_views, tell_cuts, with_cuts
 from pawnb.core.video.doubts.exchanged_films import film_codes, tell_other_films
 from pawnb.core.video.doubts.frozen_labels import Freezes, without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
@@ -99,7 +100,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
         doubts = _doubt_films(trial, views, clicks) if asked.start is None else []
         doubts += _doubt_clicks(rig, clicks)
-        odd = _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
+        freezes = _tell_doubts(trial, views, doubts, (first, last), quick=asked.quick)
         more = point_trackers(trial, stop, tell=True) if tracker.is_offline else []
         if not tracker.is_offline:
             _refuse_more_frames(clicks, asked.method)
@@ -131,7 +132,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
         tell_unused(trial, tracks, clicks)
-        tracks = _judged(tracks, views, clicks, rig, odd)
+        tracks = _tell_cuts(trial, views, _judged(tracks, views, clicks, rig, freezes), asked)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig, warn=True)
@@ -163,27 +164,41 @@ def _doubt_films(trial: Trial, views: ViewSet, clicks: pd.DataFrame) -> list[str
 
 def _tell_doubts(
     trial: Trial, views: ViewSet, doubts: list[str], frames: tuple[int, int], *, quick: bool
-) -> tuple[Freezes, Cuts]:
-    """Warn of what looks wrong in clicks and films; return where films stand still, and leap."""
+) -> Freezes:
+    """Warn of what looks wrong in clicks and films, and return where films stand still."""
     freezes = freezes_of_views(trial, views, start=frames[0], stop=frames[1])
-    cuts = {} if quick else cuts_of_views(trial, views, start=frames[0], stop=frames[1])
-    doubts = [*doubts, *tell_cuts(views, cuts), *tell_freezes(views, freezes)]
+    doubts = [*doubts, *tell_freezes(views, freezes)]
     if not quick and may_be_unsynchronised(trial, views):
         doubts = [*doubts, *doubt_synchronisation(trial, views, start=frames[0], stop=frames[1])]
     for doubt in doubts:
         warn_of_input(f"{doubt}.", InputWarning, stacklevel=3)
-    return freezes, cuts
+    return freezes
 
 
 def _judged(
-    tracks: Tracks, views: ViewSet, clicks: pd.DataFrame, rig: Rig | None, odd: tuple[Freezes, Cuts]
+    tracks: Tracks, views: ViewSet, clicks: pd.DataFrame, rig: Rig | None, freezes: Freezes
 ) -> Tracks:
     """Return tracks with how alike labels look, and what pictures and cameras say against them."""
-    freezes, cuts = odd
-    tracks = with_cuts(without_frozen(add_likeness(views, tracks, clicks), freezes), cuts)
+    tracks = without_frozen(add_likeness(views, tracks, clicks), freezes)
     for words in doubted_clicks_in_words(doubted_clicks_of(tracks)):
         warn_of_input(f"start clicks: {words}; {LOOK_AT_CLICKS}.", InputWarning, stacklevel=3)
     return tell_moved_views(tracks, rig, clicks=clicks)
+
+
+def _tell_cuts(trial: Trial, views: ViewSet, tracks: Tracks, asked: TrackOptions) -> Tracks:
+    """Warn of films that leap, and return tracks that say so.
+
+    Where tracks are of what is learnt in the recording, all frames were decoded for them, and
+    looking takes a hundredth of that; others may be of candidates that were kept.
+    """
+    frames = tracks["frame"].to_numpy()
+    learnt = tracks["image_confidence"].attrs.get(CALIBRATED)
+    if asked.quick or not learnt or not len(frames):
+        return tracks
+    cuts = cuts_of_views(trial, views, start=int(frames[0]), stop=int(frames[-1]) + 1)
+    for words in tell_cuts(views, cuts):
+        warn_of_input(f"{words}.", InputWarning, stacklevel=3)
+    return with_cuts(tracks, cuts)
 
 
 def _described(tracks: Tracks, trial: Trial, run: OpenedRun, *, earlier: Tracks | None) -> Tracks:
