@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from pawnb.errors import PawnbError
+from pawnb.synthetic.colour_video import H264VideoWriter
 from pawnb.workflow.checking.check import check_trial
 
 pytestmark = pytest.mark.slow
@@ -124,3 +125,21 @@ def test_no_file_of_a_trial_leads_to_another_error_or_warning(trial, name):
         faults += bool(said)
         assert all(len(line) < 3000 for line in said), number
     assert faults > 15
+
+
+def test_a_film_that_is_cut_is_named(tmp_path):
+    """A patterned square goes on by 1 px a picture; after picture 29 it is 90 px further on."""
+    rng = np.random.default_rng(3)
+    ground = rng.integers(60, 90, (60, 240, 3)).astype(np.uint8)
+    animal = rng.integers(100, 230, (24, 30, 3)).astype(np.uint8)
+    with H264VideoWriter(tmp_path / "side.mp4", size=(240, 60), fps=50, crf=20) as writer:
+        for k in range(60):
+            picture, at = ground.copy(), k + 90 * (k > 29)
+            picture[20:44, at : at + 30] = animal
+            writer.write(picture)
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "paws"\nname = "t"\nfps = 50.0\n[animal]\nid = "m"\n'
+        '[[views]]\nname = "side"\nvideo = "side.mp4"\npoints = ["nose"]\n'
+    )
+    (said,) = (one for one in check_trial(tmp_path).doubts if "leaps" in one)
+    assert "side.mp4 leaps from frame 29 to 30: the film is cut there" in said
