@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
+from pawnb.core.pose.doubts.travel import TRAVEL_FRAMES, is_backwards
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.start_proposal.silhouette import Silhouette, find_silhouette
 from pawnb.core.video import ViewReader
@@ -22,14 +23,6 @@ SECOND_ANIMAL = 0.3
 
 _OTHER_SIZE = 1.5
 """An animal is so many times as large or small as its species file says, or it is spoken of."""
-
-_TRAVEL_FRAMES = (4, 8, 16, 32)
-"""So many frames before and after it is looked where the animal goes, the nearest first."""
-_TRAVEL_BODIES, _BACKWARDS = 0.25, -0.7
-"""It goes somewhere once it is a quarter of its body's length further, and backwards where the
-cosine of the angle to its heading is below this. By hand: it is 0.995 and more in eleven frames of
-a rendered spider, and never below in eleven of a real walking fly (flies-topview), of which nine
-are found once they are turned about."""
 
 _SPARE_SPAN = 0.1
 """How far beyond the picture a leg may seem to reach, of the leg span, where nothing says how
@@ -173,9 +166,9 @@ def tell_backwards(
     list of str
         A sentence, or nothing; nothing either where it goes nowhere or may not be alone.
     """
-    frame, turn = int(pose.frames[0]), np.radians(float(pose.heading_deg[0]))
-    ahead = np.array([np.cos(turn), np.sin(turn)])
-    for apart in _TRAVEL_FRAMES:
+    frame, heading = int(pose.frames[0]), float(pose.heading_deg[0])
+    body_px = animal.body_length * float(pose.scale[0])
+    for apart in TRAVEL_FRAMES:
         places = {
             at: place
             for at in (max(frame - apart, 0), frame, min(frame + apart, reader.n_frames - 1))
@@ -184,10 +177,10 @@ def tell_backwards(
         if len(places) < 2:
             return []
         way = places[max(places)] - places[min(places)]
-        length = float(np.hypot(*way))
-        if length >= _TRAVEL_BODIES * animal.body_length * float(pose.scale[0]):
-            if way @ ahead >= _BACKWARDS * length:
-                return []
+        told = is_backwards(way, heading, body_px=body_px)
+        if told is False:
+            return []
+        if told:
             return [
                 f"start pose of frame {frame}: the animal goes backwards from frame {min(places)} "
                 f"to {max(places)}; if it does not, its heading is the wrong way round, and every "

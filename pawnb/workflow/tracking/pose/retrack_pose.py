@@ -32,6 +32,7 @@ from pawnb.workflow.tracking.methods import (
 )
 from pawnb.workflow.tracking.opened_run import opened_run
 from pawnb.workflow.tracking.options import RetrackOptions
+from pawnb.workflow.tracking.pose.left_over import with_left_over
 from pawnb.workflow.tracking.pose.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.pose.track_pose import pose_tracks, pose_views
 
@@ -112,9 +113,10 @@ def retrack_pose(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOpti
         )  # fmt: skip
         if stop is not None and stop():
             return tracks
-        span = int(frames[0]), int(frames[-1]) + 1
-        freezes = freezes_of_views(trial, run.views, start=span[0], stop=span[1])
-        made = without_frozen(made, freezes, needs_all=True)
+        reader = run.views.readers[view.name]
+        part = range(int(frames[touched[0]]), int(frames[touched[-1]]) + 1)
+        made = with_left_over(made, reader=reader, background=background, again=part)
+        made = _without_frozen(made, trial, run.views)
     step = build_step(
         "retrack",
         command=None,
@@ -122,10 +124,17 @@ def retrack_pose(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOpti
         settings=dataclasses.asdict(settings) | by_dotted_name(own),
         method=tracker.name,
         frame=int(frame),
-        frames=[int(frames[touched[0]]), int(frames[touched[-1]]) + 1],
+        frames=[part.start, part.stop],
         background=background.source,
     )
     return add_provenance(made, **step)
+
+
+def _without_frozen(tracks: Tracks, trial: Trial, views: ViewSet) -> Tracks:
+    """Return tracks of which nothing is measured where the film stands still."""
+    first, last = (int(tracks["frame"].to_numpy()[end]) for end in (0, -1))
+    freezes = freezes_of_views(trial, views, start=first, stop=last + 1)
+    return without_frozen(tracks, freezes, needs_all=True)
 
 
 def _row_of(frame: int, poses: Poses) -> int:

@@ -49,6 +49,7 @@ from pawnb.workflow.tracking.methods import (
 )
 from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
+from pawnb.workflow.tracking.pose.left_over import with_left_over
 from pawnb.workflow.tracking.pose.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.unfinished import open_kept_frames
 
@@ -94,10 +95,8 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         freezes = _tell_freezes(trial, views, span)
         if background.n_frames > 1 and not (tracker.is_offline or asked.frames or trial.frames):
             span = _with_animal(reader, view, span, poses)
-        step = record_of_run(
-            trial, tracker, asked, frames=span, start=_without_blanks(table),
-            background=background.source,
-        )  # fmt: skip
+        rows, empty = _without_blanks(table), background.source
+        step = record_of_run(trial, tracker, asked, frames=span, start=rows, background=empty)
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
         kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
@@ -117,6 +116,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
             )  # fmt: skip
             complete = complete and not stop()
         tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
+        tracks = with_left_over(tracks, reader=reader, background=background)
         tracks = _described(without_frozen(tracks, freezes, needs_all=True), trial, run)
         made = {"complete": complete, "estimated": dict(track.estimated), "notes": notes}
         second = {} if space is None else {"second_view": str(trial.views[1].name)}
