@@ -19,7 +19,7 @@ from pawnb.core.pixels.grey import has_colour
 from pawnb.core.rig import load_rig
 from pawnb.core.suspects.moved_views import moved_views_of
 from pawnb.core.video import Frame, ViewReader, ViewSet, open_views
-from pawnb.core.video.doubts.cuts import cuts_of_views, tell_cuts
+from pawnb.core.video.doubts.cuts import WatchedViews, tell_cuts
 from pawnb.core.video.doubts.interlaced import HOW_TO_MEND, looks_interlaced
 from pawnb.core.video.doubts.one_film import tell_same_films
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes, tell_repeats
@@ -256,9 +256,10 @@ def _check_views(trial: Trial, report: CheckReport) -> dict[str, list[int]]:
                 report.doubts += _doubt_weave(trial, views, first, stop)
                 report.doubts += tell_repeats(trial, views, start=first, stop=stop)
                 looked = min(stop, first + _MOST_LOOKED_FOR_CUTS)
-                report.doubts += tell_cuts(
-                    views, cuts_of_views(trial, views, start=first, stop=looked)
-                )
+                watched = WatchedViews(views)
+                for _ in watched.frames(first, looked):
+                    pass
+                report.doubts += tell_cuts(views, watched.find_cuts(trial))
                 report.doubts += tell_freezes(
                     views, freezes_of_views(trial, views, start=first, stop=stop)
                 )

@@ -11,7 +11,6 @@ import pandas as pd
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.quality.likeness import add_likeness
-from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks
 from pawnb.core.paws.offline.self_training.doubted_clicks import (
     LOOK_AT_CLICKS,
@@ -21,7 +20,7 @@ from pawnb.core.paws.offline.self_training.doubted_clicks import (
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet
-from pawnb.core.video.doubts.cuts import cuts_of_views, tell_cuts, with_cuts
+from pawnb.core.video.doubts.cuts import WatchedViews, tell_cuts, with_cuts
 from pawnb.core.video.doubts.exchanged_films import film_codes, tell_other_films
 from pawnb.core.video.doubts.frozen_labels import Freezes, without_frozen
 from pawnb.core.video.doubts.repeated import freezes_of_views, tell_freezes
@@ -119,7 +118,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         task = paw_task(trial, rig, clicks, evidence=more, progress=run.report, stop=stop, **span)
         kept = KeptEvidence(store, _stacks(store, quick=asked.quick))
         go = tracker.track if earlier is None else tracker.resume
-        tracks = go(views, clicks, task, settings=chosen, kept=kept)
+        watched = WatchedViews(views)  # all that is read is looked at for cuts
+        tracks = go(watched, clicks, task, settings=chosen, kept=kept)
         if gone_on_from := json.loads(tracks.attrs.pop(GONE_ON_FROM, "[]")):
             step[GONE_ON_FROM] = gone_on_from
         run.end_progress()
@@ -132,7 +132,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         tracks = _described(tracks, trial, run, earlier=earlier)
         whole = tracks.sizes["time"] == last - first
         tell_unused(trial, tracks, clicks)
-        tracks = _tell_cuts(trial, views, _judged(tracks, views, clicks, rig, freezes), asked)
+        tracks = _tell_cuts(trial, watched, _judged(tracks, views, clicks, rig, freezes))
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig, warn=True)
@@ -185,18 +185,10 @@ def _judged(
     return tell_moved_views(tracks, rig, clicks=clicks)
 
 
-def _tell_cuts(trial: Trial, views: ViewSet, tracks: Tracks, asked: TrackOptions) -> Tracks:
-    """Warn of films that leap, and return tracks that say so.
-
-    Where tracks are of what is learnt in the recording, all frames were decoded for them, and
-    looking takes a hundredth of that; others may be of candidates that were kept.
-    """
-    frames = tracks["frame"].to_numpy()
-    learnt = tracks["image_confidence"].attrs.get(CALIBRATED)
-    if asked.quick or not learnt or not len(frames):
-        return tracks
-    cuts = cuts_of_views(trial, views, start=int(frames[0]), stop=int(frames[-1]) + 1)
-    for words in tell_cuts(views, cuts):
+def _tell_cuts(trial: Trial, watched: WatchedViews, tracks: Tracks) -> Tracks:
+    """Warn of films that leap, where they were read, and return tracks that say so."""
+    cuts = watched.find_cuts(trial)
+    for words in tell_cuts(watched, cuts):
         warn_of_input(f"{words}.", InputWarning, stacklevel=3)
     return with_cuts(tracks, cuts)
 

@@ -8,13 +8,13 @@ leaps twice, so that neither leap is larger than the other.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import cv2
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.core.video.views import Frame
+from pawnb.core.video.views import Frame, ViewReader
 from pawnb.core.video.viewset import ViewSet
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
@@ -40,38 +40,85 @@ Cuts = Mapping[str, Sequence[int]]
 """View to the first frames after a cut."""
 
 
-def cuts_of_views(trial: Trial, views: ViewSet, *, start: int, stop: int) -> dict[str, list[int]]:
-    """Find where the films of views leap.
+class WatchedViews:
+    """Opened views that note how much each picture differs from the one before it.
+
+    They are handed on as they are, to whoever reads all of them one after the other; pictures of
+    which only small parts are decoded are not looked at.
 
     Parameters
     ----------
-    trial : Trial
-        The trial; the end of frames that it says are without the animal is no leap.
     views : ViewSet
         The open views.
-    start, stop : int
-        Frames of the trial, half open.
-
-    Returns
-    -------
-    dict
-        View to the first frames after a leap; views without any are left out.
     """
-    before: dict[str, FloatArray] = {}
-    changes: dict[str, list[float]] = {name: [] for name in views.names}
-    for _, frames in views.frames(start, stop):
-        for name, frame in frames.items():
-            now = _small_grey(frame)
-            if name in before:
-                changes[name].append(float(np.sqrt(np.mean((now - before[name]) ** 2))))
-            before[name] = now
-    found = {}
-    for name, own in changes.items():
-        first, end = trial.view(name).background_frames or (stop, stop)
-        leaps = [start + 1 + i for i in find_leaps(np.array(own))]
-        if leaps := [frame for frame in leaps if not first <= frame <= end]:
-            found[name] = leaps
-    return found
+
+    def __init__(self, views: ViewSet) -> None:
+        self._views = views
+        self._last: dict[str, tuple[int, FloatArray]] = {}
+        self._changes: dict[str, dict[int, float]] = {name: {} for name in views.names}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the views."""
+        return self._views.names
+
+    @property
+    def n_frames(self) -> int:
+        """Frames that every view has."""
+        return self._views.n_frames
+
+    @property
+    def readers(self) -> dict[str, ViewReader]:
+        """Reader of each view."""
+        return self._views.readers
+
+    def frame(self, i: int) -> dict[str, Frame]:
+        """Return frame i of every view."""
+        return self._views.frame(i)
+
+    def frames(
+        self, start: int, stop: int, *, step: int = 1, partly: bool = False
+    ) -> Iterator[tuple[int, dict[str, Frame]]]:
+        """Go through frames of every view: see :meth:`pawnb.core.video.ViewSet.frames`."""
+        for index, frames in self._views.frames(start, stop, step=step, partly=partly):
+            for name, frame in {} if partly or step != 1 else frames.items():
+                self._note(name, index, frame)
+            yield index, frames
+
+    def _note(self, name: str, index: int, frame: Frame) -> None:
+        """Compare a picture with the one before it, unless an earlier reading has."""
+        changes, last = self._changes[name], self._last.get(name)
+        if index in changes and index + 1 in changes:
+            return
+        now = _small_grey(frame)
+        if last is not None and last[0] == index - 1:
+            changes[index] = float(np.sqrt(np.mean((now - last[1]) ** 2)))
+        self._last[name] = index, now
+
+    def find_cuts(self, trial: Trial) -> dict[str, list[int]]:
+        """Find where the films leap, in all that was read.
+
+        Parameters
+        ----------
+        trial : Trial
+            The trial; the end of frames that it says are without the animal is no leap.
+
+        Returns
+        -------
+        dict
+            View to the first frames after a leap; views without any are left out.
+        """
+        found = {}
+        for name, noted in self._changes.items():
+            if not noted:
+                continue
+            first, end = trial.view(name).background_frames or (self.n_frames, self.n_frames)
+            begin = min(noted)
+            own = np.array([noted.get(i, 0.0) for i in range(begin, max(noted) + 1)])
+            leaps = [frame for i in find_leaps(own) if not first <= (frame := begin + i) <= end]
+            if leaps:
+                found[name] = leaps
+        return found
 
 
 def find_leaps(changes: FloatArray) -> list[int]:
@@ -97,7 +144,7 @@ def find_leaps(changes: FloatArray) -> list[int]:
     return found
 
 
-def tell_cuts(views: ViewSet, cuts: Cuts) -> list[str]:
+def tell_cuts(views: ViewSet | WatchedViews, cuts: Cuts) -> list[str]:
     """Say where films leap, once a film.
 
     Parameters
@@ -105,7 +152,7 @@ def tell_cuts(views: ViewSet, cuts: Cuts) -> list[str]:
     views : ViewSet
         The open views.
     cuts : mapping
-        As from :func:`cuts_of_views`.
+        As from :meth:`WatchedViews.find_cuts`.
 
     Returns
     -------
@@ -129,7 +176,7 @@ def with_cuts(tracks: Tracks, cuts: Cuts) -> Tracks:
     tracks : xarray.Dataset
         Tracks.
     cuts : mapping
-        As from :func:`cuts_of_views`.
+        As from :meth:`WatchedViews.find_cuts`.
     """
     return tracks.assign_attrs({_CUTS: json.dumps(dict(cuts))}) if cuts else tracks
 

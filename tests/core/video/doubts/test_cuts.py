@@ -7,8 +7,8 @@ import pytest
 
 from pawnb.core.video import open_views
 from pawnb.core.video.doubts.cuts import (
+    WatchedViews,
     cuts_in_words,
-    cuts_of_views,
     find_leaps,
     tell_cuts,
     with_cuts,
@@ -48,6 +48,14 @@ def trial(tmp_path, video, n, **more):
     )  # fmt: skip
 
 
+def read_all(own, views, **options):
+    watched = WatchedViews(views)
+    assert [i for i, _ in watched.frames(0, views.n_frames, **options)] == list(
+        range(views.n_frames)
+    )
+    return watched.find_cuts(own)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("clip", ["horse_walk/side.mp4", "mouse_openfield_top/top.mp4"])
 def test_a_real_film_of_which_frames_were_cut_out(real_data, tmp_path, clip):
@@ -64,7 +72,7 @@ def test_a_real_film_of_which_frames_were_cut_out(real_data, tmp_path, clip):
                 writer.write(np.ascontiguousarray(grey))
         own = trial(tmp_path, path, len(chosen))
         with open_views(own) as views:
-            cuts = cuts_of_views(own, views, start=0, stop=len(chosen))
+            cuts = read_all(own, views)
             assert cuts == ({"side": [40]} if cut else {})
             told = tell_cuts(views, cuts)
         assert len(told) == cut
@@ -82,7 +90,23 @@ def test_where_the_animal_comes_after_frames_that_are_said_to_be_empty_is_no_cut
     for empty_frames, found in ((None, {"side": [20]}), ((0, 20), {}), ((0, 10), {"side": [20]})):
         own = trial(tmp_path, tmp_path / "film.mp4", 40, background_frames=empty_frames)
         with open_views(own) as views:
-            assert cuts_of_views(own, views, start=0, stop=40) == found
+            assert read_all(own, views) == found
+
+
+def test_films_are_looked_at_in_parts_and_again_but_not_where_they_are_decoded_in_part(tmp_path):
+    rng = np.random.default_rng(2)
+    one, other = rng.integers(0, 255, (2, 48, 64, 3)).astype(np.uint8)
+    with H264VideoWriter(tmp_path / "film.mp4", size=(64, 48), fps=24, crf=18) as writer:
+        for k in range(40):
+            writer.write(one if k < 20 else other)
+    own = trial(tmp_path, tmp_path / "film.mp4", 40)
+    with open_views(own) as views:
+        assert read_all(own, views, partly=True) == {}
+        watched = WatchedViews(views)
+        for begin, end in ((0, 18), (14, 40), (0, 40)):
+            for _ in watched.frames(begin, end):
+                pass
+        assert watched.find_cuts(own) == {"side": [20]}
 
 
 def test_tracks_say_it_only_of_a_cut_that_they_cross():
