@@ -7,6 +7,7 @@ thread: a run that listened there would miss some of its own while, beside it, a
 from __future__ import annotations
 
 import re
+import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -14,6 +15,9 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 
 from pawnb.errors import InputWarning
+
+_PASSED_OVER = "pawnb.schema.arguments"
+"""Layout: the module whose wrapper stands between a function and the line that calls it."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,16 @@ def warn_of_input(
         listener.hear(category(sentence))
         if not listener.is_shown:
             return
-    warnings.warn(sentence, category, stacklevel=stacklevel + 1)
+    warnings.warn(sentence, category, stacklevel=_level_of_caller(stacklevel))
+
+
+def _level_of_caller(stacklevel: int) -> int:
+    """Return the level, for a warning of the function that asks, of a function above its caller."""
+    frame, level = sys._getframe(2), 2
+    while stacklevel > 1 and frame.f_back is not None:
+        frame, level = frame.f_back, level + 1
+        stacklevel -= frame.f_globals.get("__name__") != _PASSED_OVER
+    return level
 
 
 def hide_warnings_of(library: str | None = None, *, saying: str = "") -> None:

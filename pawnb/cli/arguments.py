@@ -275,11 +275,10 @@ def _add_evaluate(parsers: Any) -> None:
         "--disturb",
         nargs=2,
         type=float,
-        default=(0.0, 0.0),
         metavar=("PX", "DEG"),
         help="for (b): standard deviation of what is added to each start pose",
     )
-    command.add_argument("--method", default="pawnb", help="for (b): method of the tracker")
+    command.add_argument("--method", help="for (b): method of the tracker (default: pawnb)")
     command.add_argument(
         "--threshold",
         type=float,

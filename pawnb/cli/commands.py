@@ -91,7 +91,7 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
             command=argv,
         )
     if interrupted():
-        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
+        print(f"tracked {tracks.sizes['time']} frames; run it again to go on")
         raise KeyboardInterrupt
     quality = assess_quality(tracks)
     said = f"tracked {tracks.sizes['time']} frames: {quality.line()}"
@@ -198,14 +198,19 @@ def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
     asked = [options.truth is not None, options.still is not None, options.directions]
     if sum(asked) != 1:
         raise InputError("expected one of TRUTH, --still FIRST LAST and --directions.")
+    _refuse_unheeded(options)
     if options.still is not None:
         still = evaluate_still(options.results, frames=tuple(options.still), out=options.out)
         _print_evaluation(still, options)
         return
     if options.directions:
-        px, deg = options.disturb
+        px, deg = options.disturb or (0.0, 0.0)
         both = evaluate_directions(
-            options.results, method=options.method, disturb_px=px, disturb_deg=deg, out=options.out
+            options.results,
+            method=options.method or "pawnb",
+            disturb_px=px,
+            disturb_deg=deg,
+            out=options.out,
         )
         _print_evaluation(both, options)
         return
@@ -213,6 +218,17 @@ def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
         options.results, options.truth, threshold_px=options.threshold, out=options.out
     )
     _print_evaluation(found, options)
+
+
+def _refuse_unheeded(options: argparse.Namespace) -> None:
+    """Refuse an option of another question: its answer would look as if it had been heeded."""
+    for name, is_heeded, of in (
+        ("threshold", options.truth is not None, "TRUTH"),
+        ("disturb", options.directions, "--directions"),
+        ("method", options.directions, "--directions"),
+    ):
+        if getattr(options, name) is not None and not is_heeded:
+            raise InputError(f"--{name} is for {of} and would not be heeded here; leave it out.")
 
 
 def _print_evaluation(found: Any, options: argparse.Namespace) -> None:

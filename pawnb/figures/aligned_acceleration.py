@@ -20,6 +20,7 @@ from pawnb.figures.style import colour_legs, style
 from pawnb.gait.cycles import ALIGNED_COLUMNS, average_cycles
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "leg", "phase", "animal", "trial", "stride", "percent", "acceleration", "kind", "n_strides",
@@ -27,6 +28,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
+@checked_arguments
 def build_aligned_acceleration_table(
     aligned: pd.DataFrame, *, legs: Sequence[str] | None = None, most: int = 60
 ) -> pd.DataFrame:
@@ -92,6 +94,7 @@ def build_aligned_acceleration_table(
     return pd.concat(parts, ignore_index=True).assign(**about_all)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_aligned_acceleration(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw each stride as a thin line and the mean as a thick one, a panel a leg.
 

@@ -13,10 +13,12 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import new_axes
 from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("frame", "difference", "threshold", "has_animal")
 
 
+@checked_arguments
 def build_animal_presence_table(
     frames: IntArray, difference: FloatArray, *, threshold: float, has_animal: BoolArray
 ) -> pd.DataFrame:
@@ -71,6 +73,7 @@ def build_animal_presence_table(
     )
 
 
+@checked_arguments
 def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the differences over the recording, the threshold, and the frames with the animal.
 

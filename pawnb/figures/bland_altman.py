@@ -15,6 +15,7 @@ from pawnb.figures.panels import add_animal_legend, draw_points, make_panels, sa
 from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
 from pawnb.gait.repeatability import match_strides, repeatability_table
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 _CONSTANT = (
     "n", "n_animals", "bias", "bias_low", "bias_high", "limit_low", "limit_low_low",
@@ -24,6 +25,7 @@ _CONSTANT = (
 COLUMNS = ("measure", "animal", "mean", "difference", *_CONSTANT)
 
 
+@checked_arguments
 def build_bland_altman_table(
     first: pd.DataFrame,
     second: pd.DataFrame,
@@ -86,6 +88,7 @@ def build_bland_altman_table(
     return pd.concat(parts, ignore_index=True)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_bland_altman(
     table: pd.DataFrame, *, ax: Axes | None = None, names: Mapping[str, str] | None = None
 ) -> Axes:

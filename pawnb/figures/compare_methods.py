@@ -13,6 +13,7 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("panel", "method", "view", "kind", "trial", "value", "n", "mean", "sd", "corrections")
 
@@ -33,6 +34,7 @@ _NEEDED_ERRORS = ("trial", "method", "view", "kind", "n", "mean_px")
 _COLOURS = ("blue", "orange", "bluish green", "reddish purple", "sky blue", "vermillion")
 
 
+@checked_arguments
 def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame) -> pd.DataFrame:
     """Gather what the comparison of methods shows: one row a trial in each group.
 
@@ -97,6 +99,7 @@ def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame
     )  # fmt: skip
 
 
+@checked_arguments
 def plot_compare_methods(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the comparison: bars are means over trials, whiskers one SD, dots the trials.
 

@@ -14,6 +14,7 @@ from pawnb.gait.cycles import AVERAGE_COLUMNS, average_cycles
 from pawnb.gait.cycles.tests import CLUSTER_COLUMNS, compare_cycles
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "row",
@@ -30,6 +31,7 @@ _LINE_LETTERS = 8
 """Room that the line beside a name in the legend takes, letters."""
 
 
+@checked_arguments
 def build_cycle_comparison_table(
     cycles: pd.DataFrame, *, group: str = "group", paired: bool = False
 ) -> pd.DataFrame:
@@ -73,6 +75,7 @@ def build_cycle_comparison_table(
     return table.reindex(columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the mean curves with their bands; bars below are clusters with p of 0.05 or less.
 

@@ -17,6 +17,7 @@ from pawnb.figures.style import figure_size, get_style, mark_animals, small_pt, 
 from pawnb.gait.groups import compare_groups, mean_by_animal
 from pawnb.gait.groups.shared_names import keep_shared
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "row", "measure", "group", "against", "animal", "value", "ci_low", "ci_high", "effect", "p",
@@ -29,6 +30,7 @@ _NOT_COMPARED = "0.72"
 """Grey of animals without a partner: seen, but not in mean or difference."""
 
 
+@checked_arguments
 def build_estimation_table(
     table: pd.DataFrame,
     measure: str,
@@ -150,6 +152,7 @@ def _against(
     return rows
 
 
+@checked_arguments
 def plot_estimation(
     table: pd.DataFrame, *, ax: Axes | None = None, label: str | None = None
 ) -> Axes:

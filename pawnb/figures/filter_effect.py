@@ -13,6 +13,7 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import make_panels
 from pawnb.figures.style import OKABE_ITO, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import differentiate, smooth_motion
 
 COLUMNS = ("quantity", "time_s", "raw", "filtered", "cutoff_hz", "method")
@@ -20,6 +21,7 @@ _MOST_SQUARES = 60
 _EXPONENTS = {"position": "", "velocity": "/s", "acceleration": "/s²"}
 
 
+@checked_arguments
 def build_filter_effect_table(
     x: FloatArray,
     *,
@@ -89,6 +91,7 @@ def build_filter_effect_table(
     return pd.concat(parts, ignore_index=True)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_filter_effect(
     table: pd.DataFrame,
     *,

@@ -17,12 +17,14 @@ from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.strides import PARTNER, choose_stride_event
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("leg", "start_s", "end_s", "phase", "cut")
 _NOT_KNOWN = ("track", "pause", "frames")
 """What of the table of what was dropped hides stance and swing."""
 
 
+@checked_arguments
 def build_gait_diagram_table(
     events: pd.DataFrame,
     *,
@@ -122,6 +124,7 @@ def _unseen(dropped: pd.DataFrame | None, events: pd.DataFrame, leg: str) -> Flo
     return own[["start_s", "end_s"]].to_numpy(dtype=float)
 
 
+@checked_arguments
 def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw a gait diagram: one row a leg, a bar for each stance.
 

@@ -12,6 +12,7 @@ from pawnb.figures.style import figure_size, mark_animals, small_pt, style
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.phases.patterns import hildebrand_table
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "animal", "trial", "side", "stride", "duty_percent", "lag_percent", "n", "level", "told_by",
@@ -27,6 +28,7 @@ REGIONS = (
 """Lag in percent at which each symmetrical gait lies (Hildebrand 1965, Science 150: 701)."""
 
 
+@checked_arguments
 def build_hildebrand_diagram_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFrame:
     """Collect Hildebrand's two numbers of all strides, and their means by animal.
 
@@ -70,6 +72,7 @@ def build_hildebrand_diagram_table(strides: pd.DataFrame, phases: pd.DataFrame) 
     return pd.concat(both, ignore_index=True)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_hildebrand_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the diagram: pale points are strides, dark ones the means of animals.
 

@@ -14,6 +14,7 @@ from pawnb.figures.panels import draw_points, make_panels
 from pawnb.figures.style import OKABE_ITO, get_style, mark_animals, small_pt, style
 from pawnb.gait.joints import RANGE_COLUMNS, joint_extremes, joint_range_table
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("row", "animal", "max_deg", "min_deg", *RANGE_COLUMNS)
 JOINT_NAMES = {
@@ -22,6 +23,7 @@ JOINT_NAMES = {
 }  # fmt: skip
 
 
+@checked_arguments
 def build_joint_ranges_table(
     angles: pd.DataFrame, *, mechanical: pd.DataFrame | None = None, trim: float = 0.0
 ) -> pd.DataFrame:
@@ -64,6 +66,7 @@ def build_joint_ranges_table(
     return pd.concat([means, own], ignore_index=True).reindex(columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_joint_ranges(
     table: pd.DataFrame, *, ax: Axes | None = None, names: Mapping[str, str] | None = None
 ) -> Axes:

@@ -10,11 +10,13 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import new_axes
 from pawnb.figures.style import colour_legs, figure_size, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("time_s", "leg", "leg_angle")
 _MARKERS = {"AEP": "^", "PEP": "v"}
 
 
+@checked_arguments
 def plot_leg_angles(
     table: pd.DataFrame, *, events: pd.DataFrame | None = None, ax: Axes | None = None
 ) -> Axes:

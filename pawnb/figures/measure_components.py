@@ -19,6 +19,7 @@ from pawnb.figures.panels import add_animal_legend, add_letter, draw_points, ope
 from pawnb.figures.style import OKABE_ITO, figure_size, mark_animals, small_pt, style
 from pawnb.gait.overview import measures_by_animal, principal_components, standardise
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("row", "animal", "group", "measure", "component", "value", "explained", "note")
 _MOST_LOADINGS = 12
@@ -28,6 +29,7 @@ _MOST_BESIDE_LEGEND = 12
 _GROUPS = ("blue", "vermillion", "bluish green", "reddish purple", "orange", "black")
 
 
+@checked_arguments
 def build_measure_components_table(
     strides: pd.DataFrame,
     measures: Sequence[str],
@@ -78,6 +80,7 @@ def build_measure_components_table(
     return pd.DataFrame(rows).reindex(columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_measure_components(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw animals on the first two principal components, and what these are made of.
 

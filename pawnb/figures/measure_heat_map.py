@@ -15,6 +15,7 @@ from pawnb.figures.panels import new_axes, speed_unit, with_unit
 from pawnb.figures.style import figure_size, style
 from pawnb.gait.overview import measures_by_animal, standardise
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("animal", "group", "measure", "mean", "z")
 _LIMIT_SD = 2.5
@@ -59,6 +60,7 @@ def say_measure(name: str, *, unit: str | None = None) -> str:
     return with_unit(words, speed_unit(unit)) if unit and name == "speed" else words
 
 
+@checked_arguments
 def build_measure_heat_map_table(
     strides: pd.DataFrame,
     measures: Sequence[str],
@@ -103,6 +105,7 @@ def build_measure_heat_map_table(
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_measure_heat_map(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw a row a measure and a column an animal: purple below the mean, orange above it.
 

@@ -12,10 +12,12 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import open_grid, with_unit
 from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("point", "frame", "x", "y", "z")
 
 
+@checked_arguments
 def build_paths_3d_table(
     points3d: pd.DataFrame,
     *,
@@ -75,6 +77,7 @@ def build_paths_3d_table(
     return pd.concat(parts, ignore_index=True)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_paths_3d(
     table: pd.DataFrame,
     *,

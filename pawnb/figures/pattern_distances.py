@@ -10,12 +10,14 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import add_animal_legend, draw_points, new_axes
 from pawnb.figures.style import figure_size, mark_animals, small_pt, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("animal", "pattern", "distance")
 RANDOM = 1.0 / np.sqrt(12.0)
 """Root mean square of differences that are anywhere from -0.5 to 0.5 cycle."""
 
 
+@checked_arguments
 def plot_pattern_distances(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the distances, patterns from the nearest (by the median of animals) down.
 

@@ -12,8 +12,10 @@ from pawnb.figures.panels import add_heading, make_panels, say_counts
 from pawnb.figures.style import style
 from pawnb.gait.phases.density import DENSITY_COLUMNS
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def plot_phase_density(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw how often two pairs of legs are at each pair of phases; both axes close in a ring.
 

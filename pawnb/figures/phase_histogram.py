@@ -17,6 +17,7 @@ from pawnb.figures.panels import add_heading, label_outer, make_panels, say_coun
 from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs, mean_of_pair, say_interval
 from pawnb.figures.style import OKABE_ITO, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "leg", "reference", "bin_start", "bin_end", "count", "n", "n_animals", "basis", "mean",
@@ -24,6 +25,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
+@checked_arguments
 def build_phase_histogram_table(
     phases: pd.DataFrame,
     *,
@@ -80,6 +82,7 @@ def build_phase_histogram_table(
     return pd.DataFrame(rows)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_phase_histogram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw a histogram for each pair, the zone of anti-phase, the mean and its interval.
 

@@ -22,6 +22,7 @@ from pawnb.figures.panels import (
 from pawnb.figures.style import colour_legs, style
 from pawnb.gait.cycles import CYCLE_COLUMNS
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "leg", "animal", "trial", "stride", "percent", "value", "velocity", "kind", "n_strides",
@@ -29,6 +30,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
+@checked_arguments
 def build_phase_plane_table(
     cycles: pd.DataFrame, *, legs: Sequence[str] | None = None, most: int = 60
 ) -> pd.DataFrame:
@@ -88,6 +90,7 @@ def build_phase_plane_table(
     return pd.concat(parts, ignore_index=True).assign(**kind)[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_phase_plane(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw each stride as a thin line and the mean cycle as a thick one.
 

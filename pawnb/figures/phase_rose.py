@@ -16,6 +16,7 @@ from pawnb.figures.phases_shown import choose_pairs, interval_length, mean_of_pa
 from pawnb.figures.style import OKABE_ITO, figure_size, get_style, small_pt, style
 from pawnb.gait.circular import mean_vector
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "leg", "reference", "bin_start", "bin_end", "count", "n", "n_animals", "mean", "r",
@@ -23,6 +24,7 @@ COLUMNS = (
 )  # fmt: skip
 
 
+@checked_arguments
 def build_phase_rose_table(
     phases: pd.DataFrame,
     *,
@@ -84,6 +86,7 @@ def build_phase_rose_table(
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_phase_rose(table: pd.DataFrame, *, ax: PolarAxes | None = None) -> PolarAxes:
     """Draw phase roses: sectors whose area is the number of strides, and the mean vector.
 

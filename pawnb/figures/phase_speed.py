@@ -25,6 +25,7 @@ from pawnb.gait.analysis.phase_patterns import NEAR
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.regression.phase_slopes import phases_at_speeds, slope_of_pair
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "leg", "reference", "animal", "trial", "stride", "speed", "phase", "n_strides", "slope",
@@ -35,6 +36,7 @@ _LEAST_WIDTH = 0.05
 """Least width of the axis of speeds, as a share of the speed: on one belt they are rounding."""
 
 
+@checked_arguments
 def build_phase_speed_table(
     phases: pd.DataFrame,
     strides: pd.DataFrame,
@@ -119,6 +121,7 @@ def _lines(own: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+@checked_arguments
 def plot_phase_speed(
     table: pd.DataFrame, *, ax: Axes | None = None, unit: str | None = None,
     x_label: str | None = None, near: float = NEAR,

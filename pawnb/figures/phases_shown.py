@@ -45,7 +45,7 @@ def choose_pairs(
         If a column is missing, there is no phase, a phase is outside [0, 1), or a pair is not
         there.
     """
-    check_columns(phases, PHASES_COLUMNS, where="phases")
+    check_columns(phases, PHASES_COLUMNS, where="phases", numbers=("phase",))
     if len(phases) == 0:
         raise InputError(
             f"{where}: no phases; expected those of two legs that make strides at the same time. "

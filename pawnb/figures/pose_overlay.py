@@ -14,6 +14,7 @@ from pawnb.figures.panels import new_axes
 from pawnb.figures.style import colour_legs, figure_size, style
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import Tracks, check_columns, check_tracks
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("frame", "leg", "joint", "u", "v")
 
@@ -24,6 +25,7 @@ _NAME_PT = 8.0
 _MARGIN = 0.15
 
 
+@checked_arguments
 def build_pose_overlay_table(tracks: Tracks, *, frame: int) -> pd.DataFrame:
     """Take the joints of every leg in one frame out of Tracks.
 
@@ -77,6 +79,7 @@ def build_pose_overlay_table(tracks: Tracks, *, frame: int) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_pose_overlay(
     table: pd.DataFrame, *, picture: ByteArray | None = None, ax: Axes | None = None
 ) -> Axes:

@@ -24,6 +24,7 @@ from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
 from pawnb.gait.regression import AnimalSlopes, Line, fit_line, fit_power, fit_rma
 from pawnb.gait.regression.scaling import animal_slopes
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "outcome", "predictor", "row", "animal", "x", "y", "x_sd", "y_sd", "low", "high", "points",
@@ -36,6 +37,7 @@ _WORDS_LONG, _WORDS_HIGH = 0.6, 0.1
 _UNITS = {"animal": "animal", "trial": "trial", "row": "stride"}
 
 
+@checked_arguments
 def build_regression_table(
     measures: pd.DataFrame,
     pairs: Sequence[tuple[str, str]],
@@ -170,6 +172,7 @@ def _own_lines(points: pd.DataFrame, inside: AnimalSlopes) -> pd.DataFrame:
     return pd.concat(parts, ignore_index=True)
 
 
+@checked_arguments
 def plot_regression(
     table: pd.DataFrame,
     *,

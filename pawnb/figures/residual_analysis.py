@@ -24,12 +24,14 @@ from pawnb.gait.residuals import (
 from pawnb.gait.residuals.cutoffs import Signals, say_unlike
 from pawnb.gait.residuals.residual_analysis import analyse_what_is_there
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 _NOTE_LETTERS = 20
 
 COLUMNS = ("signal", *CURVE_COLUMNS, "chosen_hz", "noise_rms", "reason")
 
 
+@checked_arguments
 def build_residual_analysis_table(
     signals: Signals,
     *,
@@ -90,6 +92,7 @@ def _with_choice(found: ResidualAnalysis, name: str) -> pd.DataFrame:
     return curve[list(COLUMNS)]
 
 
+@checked_arguments
 def plot_residual_analysis(
     table: pd.DataFrame, *, ax: Axes | None = None, unit: str | None = None
 ) -> Axes:

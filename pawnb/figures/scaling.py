@@ -14,6 +14,7 @@ from pawnb.figures.panels import draw_points, new_axes, use_log_axes
 from pawnb.figures.style import OKABE_ITO, figure_size, mark_animals, small_pt, style
 from pawnb.gait.regression import fit_power
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "row", "name", "group", "own", "x", "y", "low", "high", "line", "n", "a", "b", "ci_low",
@@ -23,6 +24,7 @@ _STEPS = 60
 _LINE_STYLES = ("-", "--", ":", "-.")
 
 
+@checked_arguments
 def build_scaling_table(
     reference: pd.DataFrame,
     own: pd.DataFrame | None = None,
@@ -104,6 +106,7 @@ def build_scaling_table(
     return pd.concat(parts, ignore_index=True).reindex(columns=list(COLUMNS))
 
 
+@checked_arguments
 def plot_scaling(
     table: pd.DataFrame,
     *,

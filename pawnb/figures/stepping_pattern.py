@@ -17,6 +17,7 @@ from pawnb.figures.panels import add_letter, new_axes
 from pawnb.figures.style import figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = (
     "panel", "animal", "trial", "leg", "start_s", "end_s", "phase", "cut", "span_s", "speed",
@@ -26,6 +27,7 @@ _STRIDES = 4.0
 """Length of the stretch shown, in strides of the slowest trial."""
 
 
+@checked_arguments
 def build_stepping_pattern_table(
     events: pd.DataFrame,
     strides: pd.DataFrame,
@@ -169,6 +171,7 @@ def _window(bars: pd.DataFrame, first: float, last: float) -> pd.DataFrame:
     )
 
 
+@checked_arguments
 def plot_stepping_pattern(
     table: pd.DataFrame, *, ax: Axes | None = None, unit: str | None = None
 ) -> Axes:

@@ -21,8 +21,10 @@ from pawnb.figures.panels import (
 from pawnb.figures.style import colour_legs, style
 from pawnb.gait.cycles import AVERAGE_COLUMNS
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def plot_stride_average(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the mean course of a signal over the stride and its band.
 

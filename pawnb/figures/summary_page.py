@@ -20,6 +20,7 @@ from pawnb.figures.stepping_pattern import choose_window
 from pawnb.figures.style import get_style, size_mm, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 A4_MM = (210.0, 297.0)
 _MARGIN_MM = 15.0
@@ -42,6 +43,7 @@ _SIGNS_A_LINE = 150
 _LEAST_SPREAD = 1e-4
 
 
+@checked_arguments
 def build_summary_page_table(strides: pd.DataFrame, *, animal: str) -> pd.DataFrame:
     """Describe the strides of one animal leg by leg.
 
@@ -88,6 +90,7 @@ def build_summary_page_table(strides: pd.DataFrame, *, animal: str) -> pd.DataFr
     return pd.DataFrame(rows)
 
 
+@checked_arguments
 def plot_summary_page(
     table: pd.DataFrame,
     *,

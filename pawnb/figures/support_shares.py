@@ -15,6 +15,7 @@ from pawnb.figures.long_names import letters_in, wrap_name
 from pawnb.figures.panels import new_axes
 from pawnb.figures.style import figure_size, get_style, small_pt, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("animal", "n_down", "share")
 _NUMBER_FROM = 0.07
@@ -25,6 +26,7 @@ _ROWS_MM = 190.0
 """All rows together are at most so high, so that the figure fits on a page."""
 
 
+@checked_arguments
 def plot_support_shares(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw a bar for each animal, parted by the number of feet on the ground.
 

@@ -11,11 +11,13 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import add_letter, open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, small_pt, style
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 COLUMNS = ("frame", "u", "v", "u_fit", "v_fit", "part")
 USED, FORETOLD, OTHER = "used for the fit", "foretold", "other"
 
 
+@checked_arguments
 def build_template_fit_table(
     frame: IntArray,
     uv: Points2D,
@@ -76,6 +78,7 @@ def build_template_fit_table(
     return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))
 
 
+@checked_arguments
 def plot_template_fit(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw u and v of the paw as dots, of the template as a line.
 

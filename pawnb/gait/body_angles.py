@@ -11,12 +11,14 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks, check_tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import butterworth_lowpass
 from pawnb.trial import Trial
 
 BODY_ANGLE_COLUMNS = ("frame", "time_s", "roll_deg", "pitch_deg", "yaw_deg")
 
 
+@checked_arguments
 def body_angles(
     tracks: Tracks,
     *,

@@ -16,10 +16,12 @@ from pawnb.gait.support import (
     support_table,
     whole_stretches,
 )
+from pawnb.schema.arguments import checked_arguments
 
 REGULARITY_COLUMNS = ("animal", "trial", "regularity_percent", "n_footfalls", "n_sequences")
 
 
+@checked_arguments
 def coordination_tables(tables: GaitTables) -> dict[str, pd.DataFrame]:
     """Build the tables of support, symmetry, coupling, and distance to ideal gaits.
 

@@ -13,6 +13,7 @@ from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.schema import Tracks, check_columns
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import find_runs, smooth_spline
 from pawnb.signals.splines import LEAST_SAMPLES
 
@@ -30,6 +31,7 @@ JOINTS = ("BC", "CT", "TF", "FP", "PT", "TM", "MT")
 _NOT_ANGLES = ("_sd", "_px", "_scale")
 
 
+@checked_arguments
 def get_joint_angles(
     pose: Tracks | pd.DataFrame,
     *,
@@ -120,6 +122,7 @@ def _angles_of(table: pd.DataFrame, column: str, *, smooth: bool) -> FloatArray:
     return angles.dropna().to_numpy(dtype=float)
 
 
+@checked_arguments
 def joint_extremes(angles: pd.DataFrame, *, trim: float = 0.0) -> pd.DataFrame:
     """Find the greatest and least angle of every joint in every trial.
 
@@ -162,6 +165,7 @@ def joint_extremes(angles: pd.DataFrame, *, trim: float = 0.0) -> pd.DataFrame:
     return table[list(EXTREME_COLUMNS)]
 
 
+@checked_arguments
 def joint_range_table(
     angles: pd.DataFrame, *, mechanical: pd.DataFrame | None = None, trim: float = 0.0
 ) -> pd.DataFrame:

@@ -13,6 +13,7 @@ from pawnb.gait.groups.comparison import mean_by_animal
 from pawnb.gait.groups.shared_names import keep_shared
 from pawnb.gait.inference.checks import check_animals
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 _FEWEST_SHOWN = 3
 
@@ -57,6 +58,7 @@ class Components(NamedTuple):
     note: str
 
 
+@checked_arguments
 def measures_by_animal(strides: pd.DataFrame, measures: Sequence[str]) -> pd.DataFrame:
     """Make one row of each animal: the mean of its legs' means, so that every leg counts alike.
 
@@ -91,6 +93,7 @@ def measures_by_animal(strides: pd.DataFrame, measures: Sequence[str]) -> pd.Dat
     return found.rename_axis("animal")
 
 
+@checked_arguments
 def standardise(table: pd.DataFrame) -> Standardised:
     """Express measures in standard deviations from their mean over animals.
 
@@ -131,6 +134,7 @@ def standardise(table: pd.DataFrame) -> Standardised:
     return Standardised((kept - mean) / sd, mean, sd, left_out)
 
 
+@checked_arguments
 def principal_components(z: pd.DataFrame) -> Components:
     """Find the directions in which animals differ most, by a singular value decomposition.
 

@@ -15,6 +15,7 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 REPEATABLE = (
     "period_s", "stance_s", "swing_s", "duty_factor", "stride_length", "speed",
@@ -81,6 +82,7 @@ class IntraclassCorrelation(NamedTuple):
     k: int
 
 
+@checked_arguments
 def bland_altman(
     first: FloatArray, second: FloatArray, *, level: float = 0.95, factor: float = 1.96
 ) -> Agreement:
@@ -144,6 +146,7 @@ def _trend_p(total: FloatArray, difference: FloatArray) -> float:
     return float(2.0 * student.sf(t, df))
 
 
+@checked_arguments
 def intraclass_correlation(
     values: FloatArray,
     *,
@@ -243,6 +246,7 @@ def _icc2_interval(
     return low, high
 
 
+@checked_arguments
 def match_strides(
     first: pd.DataFrame, second: pd.DataFrame, *, tolerance: float = 0.25
 ) -> pd.DataFrame:
@@ -309,6 +313,7 @@ def _nearest_first(away: FloatArray, allowed: FloatArray) -> list[tuple[int, int
     return sorted(pairs.items())
 
 
+@checked_arguments
 def repeatability_table(
     first: pd.DataFrame,
     second: pd.DataFrame,

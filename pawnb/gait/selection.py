@@ -16,7 +16,8 @@ from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables
 from pawnb.gait.phases.phase_table import summarise_phases
 from pawnb.gait.strides.stride_table import TRIAL_KEYS
-from pawnb.schema import DROPPED_COLUMNS
+from pawnb.schema import DROPPED_COLUMNS, check_columns
+from pawnb.schema.arguments import checked_arguments
 
 STEADINESS_COLUMNS = (
     "animal", "trial", "n_strides", "speed", "speed_cv", "heading_deg", "heading_sd_deg", "steady",
@@ -24,6 +25,7 @@ STEADINESS_COLUMNS = (
 )  # fmt: skip
 
 
+@checked_arguments
 def steadiness(
     strides: pd.DataFrame,
     *,
@@ -55,6 +57,7 @@ def steadiness(
     InputError
         If a threshold is not positive.
     """
+    check_columns(strides, ("animal", "trial", "leg", "speed"), where="strides")
     limits = {"max_speed_cv": max_speed_cv, "max_heading_sd_deg": max_heading_sd_deg}
     for name, limit in limits.items():
         if not limit > 0:
@@ -100,6 +103,7 @@ def _heading(strides: pd.DataFrame) -> tuple[float, float]:
     return float(np.degrees(np.angle(vector))), float(spread)
 
 
+@checked_arguments
 def select_steady(tables: GaitTables, **thresholds: float) -> GaitTables:
     """Keep the trials that run steadily and straight; the others are listed as dropped.
 

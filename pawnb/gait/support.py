@@ -12,6 +12,8 @@ from scipy.spatial import ConvexHull, QhullError
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
+from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import find_runs
 
 _TRIAL = ["animal", "trial"]
@@ -28,6 +30,7 @@ _NORMAL_SEQUENCES = {
 """Normal step sequences of four legs (cruciate, alternate, rotary): Cheng et al. 1997."""
 
 
+@checked_arguments
 def wave_gait_margin(duty_factor: FloatArray | float, *, n_legs: int) -> FloatArray | float:
     """Compute the longitudinal stability margin of a wave gait from its duty factor.
 
@@ -85,6 +88,7 @@ class Stability(NamedTuple):
     longitudinal_margin: FloatArray
 
 
+@checked_arguments
 def static_stability(
     feet: FloatArray, down: BoolArray, centre: FloatArray, *, forward: FloatArray
 ) -> Stability:
@@ -144,6 +148,7 @@ def _way_to_edge(depth: FloatArray, slope: FloatArray) -> float:
     return float(min(front, rear)) if front + rear >= 0 else np.nan
 
 
+@checked_arguments
 def whole_stretches(events: pd.DataFrame, strides: pd.DataFrame) -> pd.DataFrame:
     """Find the stretches in which every leg is within a stride that counts.
 
@@ -162,6 +167,8 @@ def whole_stretches(events: pd.DataFrame, strides: pd.DataFrame) -> pd.DataFrame
     pandas.DataFrame
         animal, trial, start_s, end_s, in order of time.
     """
+    check_columns(events, ("animal", "trial", "leg"), where="events")
+    check_columns(strides, ("animal", "trial", "start_s", "period_s"), where="strides")
     legs = events.groupby(_TRIAL, sort=False)["leg"].nunique()
     rows: list[list[object]] = []
     for key, own in strides.groupby(_TRIAL, sort=False):
@@ -178,6 +185,7 @@ def whole_stretches(events: pd.DataFrame, strides: pd.DataFrame) -> pd.DataFrame
     return pd.DataFrame(rows, columns=[*_TRIAL, "start_s", "end_s"])
 
 
+@checked_arguments
 def support_table(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -> pd.DataFrame:
     """List which feet are on the ground, stretch by stretch.
 
@@ -195,6 +203,9 @@ def support_table(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) 
     pandas.DataFrame
         animal, trial, start_s, end_s, n_down and legs (names with + between).
     """
+    check_columns(events, ("animal", "trial", "leg", "event", "time_s"), where="events")
+    if strides is not None:
+        check_columns(strides, ("animal", "trial", "start_s", "period_s"), where="strides")
     allowed = None if strides is None else whole_stretches(events, strides)
     parts = []
     for (animal, trial), own in events.groupby(_TRIAL, sort=False):
@@ -242,6 +253,7 @@ def _support_of(
     return pd.DataFrame({"start_s": start, "end_s": end, "n_down": counts, "legs": names[which]})
 
 
+@checked_arguments
 def support_shares(support: pd.DataFrame) -> pd.DataFrame:
     """Return for each animal the share of time with 0, 1, 2, ... feet on the ground.
 
@@ -255,6 +267,7 @@ def support_shares(support: pd.DataFrame) -> pd.DataFrame:
     pandas.DataFrame
         animal, n_down, share (of 1).
     """
+    check_columns(support, ("animal", "n_down", "start_s", "end_s"), where="support")
     spans = support.assign(duration=support["end_s"] - support["start_s"])
     time = spans.groupby(["animal", "n_down"], sort=True)["duration"].sum()
     share = time / time.groupby("animal").transform("sum")
@@ -280,6 +293,7 @@ class Regularity(NamedTuple):
     shares: dict[str, float]
 
 
+@checked_arguments
 def regularity_index(events: pd.DataFrame, *, stretches: pd.DataFrame | None = None) -> Regularity:
     """Compute the regularity index of a four-legged animal in one trial.
 
@@ -305,6 +319,7 @@ def regularity_index(events: pd.DataFrame, *, stretches: pd.DataFrame | None = N
     InputError
         If the legs are not FR, HR, FL and HL, or fewer than four footfalls are known.
     """
+    check_columns(events, ("leg", "event", "time_s"), where="events")
     kind = "TD" if (events["event"] == "TD").any() else "AEP"
     own = events[events["event"] == kind].sort_values("time_s", kind="stable")
     legs = {leg for leg in own["leg"] if find_leg_place(leg) is not None}

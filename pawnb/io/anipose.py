@@ -15,6 +15,7 @@ from pawnb.io.outgoing import take_space, word
 from pawnb.io.points import build_tracks, plain_name
 from pawnb.io.tables import read_cells, read_numbers, write_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 VIEWS_USED = "n_views"
 """Variable of Tracks: how many views a point in space was found from."""
@@ -27,6 +28,7 @@ _MATRIX = [f"M_{i}{j}" for i in range(3) for j in range(3)]
 _CENTER = [f"center_{i}" for i in range(3)]
 
 
+@checked_arguments
 def read_anipose(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     """Read 3D points of Anipose.
 
@@ -119,6 +121,7 @@ def _with_extras(
     return tracks
 
 
+@checked_arguments
 def write_anipose(tracks: Tracks, path: str | Path) -> Path:
     """Write 3D points as Anipose's ``pose-3d`` does.
 

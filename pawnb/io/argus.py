@@ -19,11 +19,13 @@ from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers, write_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 IMAGE = re.compile(r"(?P<point>.+)_cam_(?P<view>\d+)_(?P<axis>[xy])")
 SPACE = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
 
 
+@checked_arguments
 def read_argus_points(
     path: str | Path, *, fps: float, heights_px: Sequence[int] | None = None
 ) -> Tracks:
@@ -83,6 +85,7 @@ def read_argus_points(
     )
 
 
+@checked_arguments
 def read_argus_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     """Read 3D points of Argus.
 
@@ -122,6 +125,7 @@ def read_argus_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     )  # fmt: skip
 
 
+@checked_arguments
 def write_argus_points(
     tracks: Tracks, path: str | Path, *, heights_px: Sequence[int] | None = None
 ) -> Path:
@@ -176,6 +180,7 @@ def write_argus_points(
     return _write(path, names, values.reshape(len(values), -1))
 
 
+@checked_arguments
 def write_argus_points3d(tracks: Tracks, path: str | Path) -> Path:
     """Write points in space as Argus does.
 

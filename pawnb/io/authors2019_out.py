@@ -11,6 +11,7 @@ from pawnb.io.authors2019 import MARKERS, SIZE, VIEWS, point_names, split_name
 from pawnb.io.outgoing import Outgoing, take_view, views_of, word
 from pawnb.io.tables import write_text
 from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.schema.arguments import checked_arguments
 
 _UNKNOWN = (
     "Written by pawnb; how the markers were tracked is not known here",
@@ -22,6 +23,7 @@ _UNKNOWN = (
 """The five lines of settings that come before the columns."""
 
 
+@checked_arguments
 def write_authors_trial(
     tracks: Tracks, path: str | Path, *, size: tuple[int, int] = SIZE
 ) -> list[Path]:

@@ -8,8 +8,10 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.io.tables import read_cells, read_numbers
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def read_belt_speed(path: str | Path) -> pd.DataFrame:
     """Read the speed of a treadmill's belt.
 

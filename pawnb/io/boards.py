@@ -11,6 +11,7 @@ import numpy as np
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.files import read_toml
+from pawnb.schema.arguments import checked_arguments
 
 _FIELDS = ("board_x", "board_y", "square_length", "marker_length", "marker_bits", "dict_size")
 _MARKER_BITS = (4, 5, 6, 7)
@@ -100,6 +101,7 @@ class Board:
         return self.square * xyz.reshape(-1, 3).astype(float)
 
 
+@checked_arguments
 def read_board(path: str | Path) -> Board:
     """Read ``board.toml``.
 

@@ -18,6 +18,7 @@ from pawnb.io.lengths import short_unit, tell_no_unit, units_per_unit
 from pawnb.io.outgoing import take_space
 from pawnb.io.points import build_tracks, by_subject, check_names, tell_rate
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 _EXPECTED = "a C3D file"
 _MOST_BYTES = 2**30
@@ -26,6 +27,7 @@ _OUTPUTS = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS", "REACTIONS")
 _FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError, struct.error)
 
 
+@checked_arguments
 def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     """Read the points of a C3D file.
 
@@ -128,6 +130,7 @@ def _model_outputs(reader: Any) -> set[str]:
     return {label for kind in _OUTPUTS for label in _labels(reader, kind)}
 
 
+@checked_arguments
 def write_c3d(tracks: Tracks, path: str | Path) -> Path:
     """Write points in space as C3D.
 

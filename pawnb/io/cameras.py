@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation
 from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError
 from pawnb.files import parse_toml, read_text
+from pawnb.schema.arguments import checked_arguments
 
 _EXPECTED = (
     "calibrated cameras of Anipose, Pose2Sim or caliscope (.toml), OpenCV (.yaml, .yml) or XMALab "
@@ -81,6 +82,7 @@ class Camera:
         return not any(self.distortion)
 
 
+@checked_arguments
 def read_cameras(path: str | Path, *more: str | Path) -> list[Camera]:
     """Read the calibrated cameras of another program.
 
@@ -360,6 +362,7 @@ def _array(values: Any, what: str, where: str) -> FloatArray:
     return array
 
 
+@checked_arguments
 def coefs_of_cameras(cameras: Sequence[Camera]) -> tuple[FloatArray, FloatArray]:
     """Return DLT coefficients of cameras, for their straightened pictures.
 

@@ -14,11 +14,13 @@ from scipy.spatial.transform import Rotation
 from pawnb.errors import CalibrationError
 from pawnb.files import write_whole
 from pawnb.io.cameras import Camera
+from pawnb.schema.arguments import checked_arguments
 
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 """Names that a FileStorage of OpenCV takes."""
 
 
+@checked_arguments
 def write_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
     """Write cameras as ``calibration.toml`` of Anipose, lens distortion included.
 
@@ -56,6 +58,7 @@ def write_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
     return write_whole(path, tomli_w.dumps(document).encode())
 
 
+@checked_arguments
 def write_lenses(cameras: Sequence[Camera], path: str | Path) -> Path:
     """Write ``lenses.toml``: matrix and distortion of each view, and the size of its pictures.
 
@@ -87,6 +90,7 @@ def write_lenses(cameras: Sequence[Camera], path: str | Path) -> Path:
     return write_whole(path, tomli_w.dumps(document).encode())
 
 
+@checked_arguments
 def write_opencv_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
     """Write cameras as OpenCV: matrices ``K_<camera>, dist_<camera>, Rot_<camera>, T_<camera>``.
 
@@ -131,6 +135,7 @@ def write_opencv_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
     return write_whole(path, ("\n".join(lines) + "\n").encode())
 
 
+@checked_arguments
 def write_mayacam(camera: Camera, path: str | Path) -> Path:
     """Write a camera as MayaCam 2.0, as XMALab exports it and Autoscoper reads it.
 

@@ -12,11 +12,13 @@ import pandas as pd
 from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError
 from pawnb.io.tables import read_table_text, write_text
+from pawnb.schema.arguments import checked_arguments
 
 _LARGEST = 1e12
 """Above it, image positions cannot be told to a fraction of a pixel in double precision."""
 
 
+@checked_arguments
 def read_coefs(path: Path, names: Sequence[str]) -> FloatArray:
     """Read ``DLTcoefs.csv``: 11 rows, one column a view, no header.
 
@@ -76,6 +78,7 @@ def read_coefs(path: Path, names: Sequence[str]) -> FloatArray:
     return coefs
 
 
+@checked_arguments
 def write_coefs(coefs: FloatArray, path: str | Path) -> Path:
     """Write DLT coefficients, whole or not at all.
 

@@ -22,6 +22,7 @@ from pawnb.io.pandas_hdf5 import Column, read_pandas_frame
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_table_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 GROUP = "df_with_missing"
 """Where DeepLabCut puts its table in an h5 file."""
@@ -58,6 +59,7 @@ _FRAMES = "numbers of frames, as in the file of predictions for a video"
 _NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
+@checked_arguments
 def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     """Read tracks of DeepLabCut, or of Lightning Pose and its Ensemble Kalman Smoother.
 
@@ -104,6 +106,7 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
     return tracks.assign_attrs({SCORER: columns[0][0]})
 
 
+@checked_arguments
 def read_collected(path: str | Path, *, fps: float) -> Tracks:
     """Read labels for training: DeepLabCut's ``CollectedData_<scorer>``, or Lightning Pose's.
 

@@ -17,11 +17,13 @@ from pawnb.io.outgoing import Outgoing, take_space, take_view, views_of, word
 from pawnb.io.pandas_frame import pandas_frame_bytes
 from pawnb.io.tables import write_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 LIGHTNING_POSE = "heatmap_tracker"
 """The scorer of Lightning Pose's predictions."""
 
 
+@checked_arguments
 def write_deeplabcut(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     """Write predictions as DeepLabCut does.
 
@@ -55,6 +57,7 @@ def write_deeplabcut(tracks: Tracks, path: str | Path, *, view: str = "") -> Pat
     return _write_predictions(own, path, str(own.attrs.get(SCORER) or "pawnb"))
 
 
+@checked_arguments
 def write_lightning_pose(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     """Write predictions as Lightning Pose does.
 
@@ -88,6 +91,7 @@ def write_lightning_pose(tracks: Tracks, path: str | Path, *, view: str = "") ->
     return _write_predictions(own, path, scorer if "heatmap" in scorer else LIGHTNING_POSE)
 
 
+@checked_arguments
 def write_collected(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     """Write labels for training as DeepLabCut's ``CollectedData_<scorer>``.
 

@@ -23,6 +23,7 @@ from pawnb.files import check_file, read_text
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 _SPACE = re.compile(r"(?P<point>.+)_(?P<axis>[XYZ])")
 _IMAGE = re.compile(r"(?P<point>.+)_cam(?P<view>\d+)_(?P<axis>[XY])")
@@ -51,6 +52,7 @@ _MOST_CELLS = 10**8
 """More than an hour of a thousand pictures a second with a dozen points in two cameras."""
 
 
+@checked_arguments
 def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     """Read 3D points of DLTdv.
 
@@ -104,6 +106,7 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     return tracks.assign({DLTRES: (("time", "keypoint", "individual"), values[..., None])})
 
 
+@checked_arguments
 def read_dltdv_points(
     path: str | Path, *, fps: float, heights_px: Sequence[int] | None = None
 ) -> Tracks:

@@ -13,8 +13,10 @@ from pawnb.io.dltdv import DLTRES, OFFSETS
 from pawnb.io.outgoing import Outgoing, has_space, take_space, take_view, views_of, word
 from pawnb.io.tables import write_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def write_dltdv_points(
     tracks: Tracks, path: str | Path, *, heights_px: Sequence[int] | None = None
 ) -> Path:
@@ -140,6 +142,7 @@ def own_offsets(tracks: Tracks, frames: IntArray) -> FloatArray:
     return np.asarray(tracks[OFFSETS].transpose("time", "view").to_numpy()[rows], dtype=float)
 
 
+@checked_arguments
 def write_dltdv_points3d(tracks: Tracks, path: str | Path) -> Path:
     """Write points in space as DLTdv does.
 

@@ -12,6 +12,7 @@ from pawnb.io.outgoing import has_space, views_of
 from pawnb.io.recognise import find_format
 from pawnb.io.unread import say_found, say_unread
 from pawnb.schema import Tracks, check_fps
+from pawnb.schema.arguments import checked_arguments
 
 __all__ = [
     "FORMATS",
@@ -28,6 +29,7 @@ __all__ = [
 ]
 
 
+@checked_arguments
 def recognise_format(path: str | Path) -> str:
     """Say which program's tracks a file holds.
 
@@ -70,6 +72,7 @@ def recognise_format(path: str | Path) -> str:
     return found
 
 
+@checked_arguments
 def read_any_tracks(
     path: str | Path,
     *,
@@ -127,6 +130,7 @@ def _taken(told: dict[str, Any], names: Sequence[str]) -> dict[str, Any]:
     return {name: told[name] for name in names if told[name] is not None}
 
 
+@checked_arguments
 def load_tracks(path: str | Path, *, fps: float | None = None, **more: Any) -> Tracks:
     """Read tracks of any program that is known; the same as :func:`read_any_tracks`.
 
@@ -219,6 +223,7 @@ def _named(path: Path) -> Format | None:
     return fits[0] if len(fits) == 1 or path.suffix == ".slp" else None
 
 
+@checked_arguments
 def write_any_tracks(
     tracks: Tracks,
     path: str | Path,

@@ -17,11 +17,13 @@ from pawnb.input_warnings import warn_of_input
 from pawnb.io.digitised import digitised_tracks, to_frames, to_number
 from pawnb.io.separators import separator_of
 from pawnb.schema import Tracks, check_fps
+from pawnb.schema.arguments import checked_arguments
 
 _MANUAL = "the results of ImageJ's Manual Tracking"
 _MDF = "a .mdf of MTrackJ"
 
 
+@checked_arguments
 def read_manual_tracking(path: str | Path, *, fps: float) -> Tracks:
     r"""Read the results of Manual Tracking, a plugin of ImageJ and part of Fiji.
 
@@ -81,6 +83,7 @@ def read_manual_tracking(path: str | Path, *, fps: float) -> Tracks:
     return _tracks(points, fps, where, "Manual Tracking")
 
 
+@checked_arguments
 def read_mtrackj(path: str | Path, *, fps: float) -> Tracks:
     r"""Read tracks of MTrackJ, a plugin of ImageJ and Fiji.
 

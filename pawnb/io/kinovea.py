@@ -27,6 +27,7 @@ from pawnb.io.digitised import (
 from pawnb.io.points import tell_rate
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_fps
+from pawnb.schema.arguments import checked_arguments
 
 _EXPECTED = "a .kva of Kinovea, or its trajectories as .txt or .csv"
 _TIMECODE = re.compile(r"(\d+):(\d+):(\d+)[:.](\d+)")
@@ -41,6 +42,7 @@ said. Mathematics: of a frame of 2.5 or 1.5 stamps every second one is half a st
 _Points = dict[str, tuple[IntArray, FloatArray]]
 
 
+@checked_arguments
 def read_kinovea(path: str | Path, *, fps: float, unit: str | None = None) -> Tracks:
     r"""Read trajectories of Kinovea.
 

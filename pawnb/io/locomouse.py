@@ -17,6 +17,7 @@ from pawnb.io.hdf5 import HDF5_FAULTS
 from pawnb.io.points import build_tracks
 from pawnb.io.unread import AS_TABLE
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 POINTS = ("FR", "HR", "FL", "HL", "snout")
 """Points of ``final_tracks`` in their order (LocoMouse, MTF_export_figures.m)."""
@@ -28,6 +29,7 @@ _ARRAYS = ("final_tracks", "tracks_tail")
 _MOST_BYTES = 2**28
 
 
+@checked_arguments
 def read_locomouse(path: str | Path, *, fps: float) -> Tracks:
     """Read tracks of LocoMouse.
 

@@ -15,6 +15,7 @@ from pawnb.files import write_whole
 from pawnb.io.locomouse import POINTS, VIEWS
 from pawnb.io.outgoing import take_view, views_of
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 _HEAD = b"MATLAB 5.0 MAT-file, written by pawnb in the layout of LocoMouse".ljust(116)
 """In place of a time of day, so that the same tracks are the same bytes."""
@@ -25,6 +26,7 @@ _SAME_PX = 0.01
 _TAIL = re.compile(r"tail_(\d+)")
 
 
+@checked_arguments
 def write_locomouse(tracks: Tracks, path: str | Path) -> Path:
     """Write tracks as LocoMouse does.
 

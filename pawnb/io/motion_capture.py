@@ -17,6 +17,7 @@ from pawnb.input_warnings import warn_of_input
 from pawnb.io.lengths import short_unit, tell_no_unit, units_per_unit
 from pawnb.io.points import SLOWEST_FILM_HZ, build_tracks, by_subject, check_names, tell_rate
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 _TRC, _QTM = "a .trc with markers, as OpenSim reads it", "a .tsv with 3D markers, as QTM writes it"
 _VICON = "a .csv with Trajectories, as Vicon Nexus writes it"
@@ -72,6 +73,7 @@ def motion_capture_format(lines: Sequence[str]) -> str | None:
     return "vicon" if counted and first.strip(",\t ") in _BEFORE else None
 
 
+@checked_arguments
 def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     r"""Read markers of OpenSim, as Pose2Sim, OpenCap, Cortex and Motive write them, too.
 
@@ -148,6 +150,7 @@ def read_trc(path: str | Path, *, fps: float | None = None, unit: str | None = N
     )  # fmt: skip
 
 
+@checked_arguments
 def read_qtm(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     r"""Read markers of Qualisys Track Manager (QTM).
 
@@ -211,6 +214,7 @@ def read_qtm(path: str | Path, *, fps: float | None = None, unit: str | None = N
     )  # fmt: skip
 
 
+@checked_arguments
 def read_vicon(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     r"""Read trajectories of Vicon Nexus.
 

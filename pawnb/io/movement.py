@@ -32,6 +32,7 @@ from pawnb.schema import (
     make_tracks,
     note_absent,
 )
+from pawnb.schema.arguments import checked_arguments
 
 _PLURAL = {"keypoint": "keypoints", "individual": "individuals"}
 _SINGULAR = {plural: singular for singular, plural in _PLURAL.items()}
@@ -61,6 +62,7 @@ def is_movement(dataset: xr.Dataset) -> bool:
     return "origin" not in dataset and "frame" not in dataset.coords
 
 
+@checked_arguments
 def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural") -> xr.Dataset:
     """Return Tracks as a poses dataset that movement takes.
 
@@ -97,6 +99,7 @@ def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural
     return dataset
 
 
+@checked_arguments
 def write_movement(
     tracks: Tracks,
     path: str | Path,
@@ -183,6 +186,7 @@ def netcdf_bytes(dataset: xr.Dataset) -> bytes:
     return buffer.getvalue()
 
 
+@checked_arguments
 def from_movement(
     dataset: xr.Dataset,
     *,

@@ -31,6 +31,7 @@ from pawnb.schema import (
     check_frames,
     check_tracks,
 )
+from pawnb.schema.arguments import checked_arguments
 
 __all__ = [
     "check_start",
@@ -51,6 +52,7 @@ _HDF5, _NETCDF3 = b"\x89HDF", b"CDF"
 _EXPECTED = "tracks.nc as pawnb writes it, or netCDF of movement"
 
 
+@checked_arguments
 def write_tracks(tracks: Tracks, path: str | Path) -> Path:
     """Write Tracks as netCDF, whole or not at all.
 
@@ -92,6 +94,7 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
     return write_whole(path, netcdf_bytes(tracks[list(tracks.data_vars)]))
 
 
+@checked_arguments
 def read_tracks(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     """Read Tracks from netCDF: pawnb's own, or a poses dataset that movement saved.
 
@@ -192,6 +195,7 @@ def _plain_values(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
     return {k: v.item() if isinstance(v, np.generic) else v for k, v in attrs.items()}
 
 
+@checked_arguments
 def tracks_table(tracks: Tracks) -> pd.DataFrame:
     """Return image positions as a table, the columns of ``tracks.csv``.
 
@@ -251,6 +255,7 @@ def tracks_table(tracks: Tracks) -> pd.DataFrame:
     return table
 
 
+@checked_arguments
 def points3d_table(tracks: Tracks) -> pd.DataFrame:
     """Return positions in space as a table, the columns of ``points3d.csv``.
 

@@ -22,10 +22,12 @@ from pawnb.io.lengths import short_unit, units_per_unit
 from pawnb.io.outgoing import take_space, take_view, views_of
 from pawnb.io.points import SLOWEST_FILM_HZ, build_tracks, plain_name, tell_rate
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 _EXPECTED = "NWB with poses of ndx-pose"
 _POSE, _SERIES = "PoseEstimation", "PoseEstimationSeries"
 _PIXELS = ("pixels", "pixel", "px", "")
+_FRAME_OF_PIXELS = "(0, 0) is the centre of the top-left pixel, y down"
 _OFF_FRAME = 0.01
 """A first time further than this part of a frame from a whole frame is that of another clock."""
 _OFF_STEP = 0.25
@@ -47,6 +49,7 @@ def is_nwb(file: h5py.File) -> bool:
     return "nwb_version" in file.attrs or file.attrs.get("neurodata_type") == "NWBFile"
 
 
+@checked_arguments
 def read_nwb(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
     """Read poses of ndx-pose.
 
@@ -99,7 +102,7 @@ def read_nwb(path: str | Path, *, fps: float | None = None, unit: str | None = N
         scores = [_scores(one, len(v), where) for one, v in zip(every, values, strict=True)]
         rate, frames, rows = _times(every, [len(v) for v in values], fps, where)
         said = str(every[0]["data"].attrs.get("unit", "pixels")).strip()
-        animals = _animals(list(poses), _subject(file))
+        animals = _animals(list(poses), _text(file.get("general/subject/subject_id")))
         notes = _text(file.get("general/notes"))
         program = _text(next(iter(poses.values())).get("source_software"))
     n_axes, *others = {v.shape[1] for v in values}
@@ -305,11 +308,6 @@ def _rate_of(steps_s: FloatArray) -> float:
     return round(float(n / steps_s.sum()), 6) if n > 0 else np.nan
 
 
-def _subject(file: h5py.File) -> str:
-    """Return the id of the subject."""
-    return _text(file.get("general/subject/subject_id"))
-
-
 def _text(item: Any) -> str:
     """Return what a dataset of one text says, or nothing."""
     if not isinstance(item, h5py.Dataset) or item.shape != ():
@@ -330,6 +328,7 @@ def _with_notes(tracks: Tracks, notes: str) -> Tracks:
     return tracks.assign_attrs(provenance=json.dumps(record, sort_keys=True))
 
 
+@checked_arguments
 def write_nwb(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     """Write poses as NWB with ndx-pose.
 
@@ -384,9 +383,7 @@ def write_nwb(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
             description=f"{point}, {view or 'tracked'}",
             data=own.place[:, k, 0],
             unit=unit,
-            reference_frame="(0, 0) is the centre of the top-left pixel, y down"
-            if unit == "pixels"
-            else "calibrated space",
+            reference_frame=_FRAME_OF_PIXELS if unit == "pixels" else "calibrated space",
             timestamps=own.frames / own.fps,
             confidence=own.confidence[:, k, 0],
             confidence_definition="likelihood of the point",

@@ -28,6 +28,7 @@ from pawnb.io.digitised import (
 )
 from pawnb.io.points import tell_rate
 from pawnb.schema import Tracks, check_fps
+from pawnb.schema.arguments import checked_arguments
 
 _EXPECTED = "a .trk of Tracker, or its table of points as text (File > Export)"
 _POINT = "org.opensourcephysics.cabrillo.tracker.PointMass"
@@ -39,6 +40,7 @@ _ENDINGS = (".txt", ".csv", ".tsv", ".dat")
 _HEAD = 4096
 
 
+@checked_arguments
 def read_osp_tracker(path: str | Path, *, fps: float, unit: str | None = None) -> Tracks:
     r"""Read point masses of Tracker, the video analysis of Open Source Physics.
 

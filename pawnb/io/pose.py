@@ -137,7 +137,7 @@ def check_pose(table: pd.DataFrame, *, names: PoseNames, where: str) -> pd.DataF
     InputError
         As :func:`read_pose`.
     """
-    check_columns(table, POSE_COLUMNS, where=where)
+    check_columns(table, POSE_COLUMNS, where=where, cells=False)
     if table.empty:
         raise InputError(f"{where}: no rows; expected the pose of the animal in one frame or more.")
     frames = table["frame"].to_numpy()

@@ -16,6 +16,7 @@ from pawnb.io.hdf5 import open_hdf5, read_array, read_attribute, read_texts
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_frames
+from pawnb.schema.arguments import checked_arguments
 
 INSTANCE_SCORE = "instance_score"
 """Variable of Tracks (time, individual): SLEAP's score of an instance as a whole."""
@@ -43,6 +44,7 @@ _CENTRED = 1.1
 _NEWEST = 3.0
 
 
+@checked_arguments
 def read_sleap(path: str | Path, *, fps: float) -> Tracks:
     """Read tracks of SLEAP.
 

@@ -18,8 +18,10 @@ from pawnb.io.outgoing import Outgoing, take_view, word
 from pawnb.io.sleap import INSTANCE_SCORE, VIDEO_AND_EDGES
 from pawnb.io.tables import write_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def write_sleap(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     """Write tracks for SLEAP, one of its tracks an animal.
 

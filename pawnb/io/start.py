@@ -13,6 +13,7 @@ from pawnb.io.recognise import find_format
 from pawnb.io.start_films import lines_of, read_films, write_films
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import START_COLUMNS, check_columns
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial
 
 FILM_COLUMN = "film"
@@ -20,6 +21,7 @@ FILM_COLUMN = "film"
 _OWN_FORMATS = ("csv", "csv-3d", "pawnb")
 
 
+@checked_arguments
 def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     """Read and check ``start.csv``.
 
@@ -165,6 +167,7 @@ def check_start(
     return start
 
 
+@checked_arguments
 def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     """Write start clicks as ``start.csv`` (u, v to 4 decimals), whole or not at all.
 

@@ -203,7 +203,7 @@ def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0)
     table.columns = pd.Index([name or f"Unnamed: {i}" for i, name in enumerate(names)])
     blank = [not name and not (table.iloc[:, i] != "").any() for i, name in enumerate(names)]
     table = table.loc[:, ~np.array(blank)]  # a comma at the end of every line
-    table = check_columns(table, columns, where=path.name)
+    table = check_columns(table, columns, where=path.name, cells=False)
     return table.apply(lambda column: column.str.strip())
 
 

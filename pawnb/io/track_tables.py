@@ -21,8 +21,10 @@ from pawnb.schema import (
     make_tracks,
     note_absent,
 )
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def read_tracks_table(
     path: str | Path,
     *,
@@ -107,6 +109,7 @@ def read_tracks_table(
     return note_absent(tracks, frames, file=where)
 
 
+@checked_arguments
 def read_points3d_table(
     path: str | Path, *, fps: float, unit: str = "mm", individual: str = "animal"
 ) -> Tracks:

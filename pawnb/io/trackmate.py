@@ -18,6 +18,7 @@ from pawnb.io.digitised import digitised_tracks, read_xml, tell_units, to_frames
 from pawnb.io.lengths import units_per_unit
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_fps
+from pawnb.schema.arguments import checked_arguments
 
 _EXPECTED = "spots of TrackMate as .csv, or its tracks or project as .xml"
 _UNITS = {
@@ -26,6 +27,7 @@ _UNITS = {
 _COLUMNS = ("TRACK_ID", "POSITION_X", "POSITION_Y", "FRAME")
 
 
+@checked_arguments
 def read_trackmate(path: str | Path, *, fps: float, unit: str | None = None) -> Tracks:
     r"""Read the spots of TrackMate that belong to a track.
 

@@ -16,6 +16,7 @@ from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers, write_text
 from pawnb.schema import Tracks, check_columns
+from pawnb.schema.arguments import checked_arguments
 
 _COLUMN = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
 _CONFIDENCE = ("likelihood", "confidence", "score", "visibility", "p")
@@ -85,6 +86,7 @@ def _respelt(names: Sequence[str]) -> list[str]:
     ]
 
 
+@checked_arguments
 def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) -> Tracks:
     """Read points side by side, as spreadsheets and scripts write them.
 
@@ -131,7 +133,7 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     cells = _in_our_spelling(read_cells(path, ()), where)
     if "frame" not in cells and next(iter(cells), None) == _INDEX:
         cells = cells.rename(columns={_INDEX: "frame"})
-    cells = check_columns(cells, ("frame",), where=where)
+    cells = check_columns(cells, ("frame",), where=where, cells=False)
     found = [m for name in map(str, cells) if (m := _COLUMN.fullmatch(name))]
     points = list(dict.fromkeys(m["point"] for m in found))
     axes = "xyz" if any(m["axis"] == "z" for m in found) else "xy"

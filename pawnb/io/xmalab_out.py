@@ -10,8 +10,10 @@ from pawnb.io.dltdv_out import view_columns
 from pawnb.io.outgoing import take_space, word
 from pawnb.io.tables import write_text
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def write_xmalab_points(
     tracks: Tracks, path: str | Path, *, heights_px: Sequence[int] | None = None
 ) -> Path:
@@ -51,6 +53,7 @@ def write_xmalab_points(
     return write_text("\n".join(rows) + "\n", path)
 
 
+@checked_arguments
 def write_xmalab_points3d(tracks: Tracks, path: str | Path) -> Path:
     """Write points in space as XMALab exports its markers ("3D points"), with their frames.
 

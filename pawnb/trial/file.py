@@ -10,6 +10,7 @@ import tomli_w
 from pawnb.errors import InputError
 from pawnb.files import read_toml, write_whole
 from pawnb.schema import shown
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial.description import Trial
 from pawnb.trial.document import trial_document, trial_from_document
 
@@ -64,6 +65,7 @@ def find_too_deep(folder: str | Path) -> list[Path]:
     )
 
 
+@checked_arguments
 def load_trial(path: str | Path) -> Trial:
     """Read ``trial.toml``.
 
@@ -113,6 +115,7 @@ def load_trial(path: str | Path) -> Trial:
     return trial_from_document(document, where=str(path), folder=path.parent)
 
 
+@checked_arguments
 def save_trial(trial: Trial, path: str | Path) -> Path:
     """Write a Trial as TOML so that :func:`load_trial` gives it back.
 

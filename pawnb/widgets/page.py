@@ -12,6 +12,7 @@ from typing import Any
 from pawnb.errors import InputError
 from pawnb.files import write_whole
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial
 from pawnb.widgets.surroundings import read_static
 
@@ -172,6 +173,7 @@ def _evenly(first: int, last: int) -> list[int]:
     )
 
 
+@checked_arguments
 def export_page(
     trial: Trial | str | Path,
     tracks: Tracks,

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from pawnb.errors import InputError
+from pawnb.schema.arguments import checked_arguments
 from pawnb.synthetic import render_mouse_trial, render_spider_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, progress_bar
@@ -14,6 +15,7 @@ SAMPLE_FRAMES = {"paws": 200, "spider": 120}
 SAMPLE_SCALE = 0.5
 
 
+@checked_arguments
 def sample_trial(
     folder: str | Path | None = None,
     *,

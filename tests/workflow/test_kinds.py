@@ -54,8 +54,11 @@ def test_starts_are_those_of_the_kind():
         assert kind_of(own).start_file(own) == file
 
 
+TRACKS = pawnb.schema.make_tracks([0, 1], ["FR"], fps=100.0)
+
+
 @pytest.mark.parametrize(
-    "call", [pawnb.track, pawnb.propose_start, lambda own: pawnb.retrack(own, None, 0)]
+    "call", [pawnb.track, pawnb.propose_start, lambda own: pawnb.retrack(own, TRACKS, 0)]
 )
 def test_what_another_program_has_tracked_is_refused(call):
     with pytest.raises(InputError) as refused:

@@ -40,11 +40,13 @@ from pawnb.gait.locomotion.seen_part import seen_part
 from pawnb.gait.strides.stride_table import Motion
 from pawnb.input_warnings import warn_of_input
 from pawnb.schema import Tracks, absent_frames, build_settings, check_tracks, shown
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial
 
 _GAP_COLUMNS = ("leg", "start_s", "end_s", "what")
 
 
+@checked_arguments
 def analyse(
     tracks: Tracks,
     *,
@@ -172,6 +174,7 @@ def analyse(
     return replace(tables, notes=(*said, *tables.notes))
 
 
+@checked_arguments
 def analyse_events(
     events: pd.DataFrame,
     *,

@@ -65,7 +65,7 @@ def belt_on_grid(
 
 def _interpolate(table: pd.DataFrame, grid: Grid, where: str) -> FloatArray:
     """Return the speeds of a table at the samples; frames between its own lie on a line."""
-    check_columns(table, ("frame", "speed"), where=where)
+    check_columns(table, ("frame", "speed"), where=where, cells=False)
     try:
         frame, speed = (
             table[name].to_numpy(dtype=float, na_value=np.nan) for name in ("frame", "speed")

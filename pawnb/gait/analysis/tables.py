@@ -24,6 +24,7 @@ from pawnb.gait.strides.stride_table import (
     build_strides,
     choose_stride_event,
 )
+from pawnb.schema.arguments import checked_arguments
 
 Pairs = Sequence[tuple[str, str]]
 _GAIT_TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
@@ -109,6 +110,7 @@ class GaitTables:
         return f"GaitTables({of}; {', '.join(sizes)}; {', '.join(more)})"
 
 
+@checked_arguments
 def pool(parts: Sequence[GaitTables], *, settings: EventSettings | None = None) -> GaitTables:
     """Put several analyses together; the phase summary is made anew over all of them.
 

@@ -17,6 +17,7 @@ from pawnb.gait.circular.mean import check_phases
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.gait.inference.circular_sample import AS_INDEPENDENT, TINY, animal_codes
 from pawnb.gait.inference.permutations import shuffle_in_blocks
+from pawnb.schema.arguments import checked_arguments
 
 _MOST_ORDERS = 5_040
 
@@ -54,6 +55,7 @@ class CircularCorrelation(NamedTuple):
     note: str = ""
 
 
+@checked_arguments
 def angular_linear(
     phases: FloatArray,
     values: AnyArray,
@@ -132,6 +134,7 @@ def angular_linear(
     return CircularCorrelation(math.sqrt(r2), statistic, max(p, TINY), by_permutation, *counts)
 
 
+@checked_arguments
 def angular_angular(
     phases: FloatArray,
     others: FloatArray,

@@ -22,6 +22,7 @@ from pawnb.gait.circular.mean import (
     mean_vector,
 )
 from pawnb.gait.inference.circular_length import kappa_of_length
+from pawnb.schema.arguments import checked_arguments
 
 
 class CircularDescription(NamedTuple):
@@ -57,6 +58,7 @@ class CircularDescription(NamedTuple):
     kappa: float
 
 
+@checked_arguments
 def describe_circular(phases: FloatArray, *, level: float = 0.95) -> CircularDescription:
     """Describe a sample of phases by all the usual numbers.
 
@@ -94,6 +96,7 @@ def describe_circular(phases: FloatArray, *, level: float = 0.95) -> CircularDes
     )
 
 
+@checked_arguments
 def angular_deviation(r: float) -> float:
     """Compute the angular deviation ``sqrt(2 (1 - r)) / 2 pi``, in cycles.
 
@@ -158,6 +161,7 @@ def circular_median(phases: FloatArray) -> float:
     return middle.mean if middle.r > 1e-9 else math.nan
 
 
+@checked_arguments
 def concentration(r: float, *, n: int | None = None, method: str = "exact") -> float:
     """Estimate the concentration kappa of a von Mises distribution from r.
 
@@ -258,6 +262,7 @@ def axial_mean(phases: FloatArray) -> MeanVector:
     return doubled._replace(mean=doubled.mean / 2.0)
 
 
+@checked_arguments
 def grouped_mean(
     centres: FloatArray, counts: AnyArray, *, class_width: float | None = None
 ) -> MeanVector:
@@ -292,6 +297,7 @@ def grouped_mean(
     return MeanVector(found.mean, r, round(float(np.sum(counts))))
 
 
+@checked_arguments
 def difference(phases: FloatArray, other: FloatArray | float) -> FloatArray:
     """Compute signed differences of phases, the short way round.
 

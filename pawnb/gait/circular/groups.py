@@ -27,6 +27,7 @@ from pawnb.gait.inference.circular_sample import (
     make_result,
 )
 from pawnb.gait.inference.permutations import shuffle_in_blocks
+from pawnb.schema.arguments import checked_arguments
 
 _MOST_GROUPINGS = 20_000
 _LEAST_R = ((11.0, 0.45), (7.0, 0.5), (0.0, 0.55))
@@ -34,6 +35,7 @@ _LEAST_R = ((11.0, 0.45), (7.0, 0.5), (0.0, 0.55))
 circ_wwtest; its further rule of 5 phases a group is not needed: 3 and 3 hold their level)."""
 
 
+@checked_arguments
 def watson_williams_test(
     phases: FloatArray, groups: Sequence[object], *, animals: Sequence[object] | None = None
 ) -> CircularTest:
@@ -92,6 +94,7 @@ def watson_williams_test(
     return found._replace(p=math.nan, note=f"{found.note}; {note}" if found.note else note)
 
 
+@checked_arguments
 def watson_u2_test(
     phases: FloatArray,
     groups: Sequence[object],
@@ -149,6 +152,7 @@ def watson_u2_test(
     return make_result("Watson U²", observed, p, counts=counts, smallest_p=least, sizes=sizes)
 
 
+@checked_arguments
 def wheeler_watson_test(
     phases: FloatArray,
     groups: Sequence[object],
@@ -222,6 +226,7 @@ def wheeler_watson_test(
     )
 
 
+@checked_arguments
 def group_samples(
     phases: FloatArray, groups: Sequence[object], *, animals: Sequence[object] | None = None
 ) -> tuple[list[FloatArray], int | None]:

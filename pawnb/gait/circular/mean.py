@@ -17,6 +17,7 @@ from scipy.stats import chi2
 from pawnb.arrays import AnyArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import as_numbers, check_level
+from pawnb.schema.arguments import checked_arguments
 
 # differences and sums of two phases are phases; degrees and radians are not
 _LEAST_PHASE, _MOST_PHASE = -1.0, 2.0
@@ -97,6 +98,7 @@ def wrap(phase: float) -> float:
     return 0.0 if turned >= 1.0 else turned  # -1e-17 % 1.0 is 1.0
 
 
+@checked_arguments
 def circular_sd(r: float) -> float:
     """Compute the circular standard deviation, in cycles.
 
@@ -229,6 +231,7 @@ def check_phases(phases: FloatArray) -> FloatArray:
     return phases
 
 
+@checked_arguments
 def check_r(r: float) -> None:
     """Refuse a length that no mean vector can have.
 

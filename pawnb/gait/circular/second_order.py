@@ -22,6 +22,7 @@ from pawnb.gait.circular.mean import MeanVector, check_phases, wrap
 from pawnb.gait.circular.rayleigh import resultant_p
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.gait.inference.circular_sample import ONE_ANIMAL, TINY, CircularTest, animal_codes
+from pawnb.schema.arguments import checked_arguments
 
 
 class AnimalVectors(NamedTuple):
@@ -45,6 +46,7 @@ class AnimalVectors(NamedTuple):
     n: np.ndarray
 
 
+@checked_arguments
 def animal_vectors(phases: FloatArray, animals: Sequence[object]) -> AnimalVectors:
     """Compute the mean vector of each animal.
 
@@ -75,6 +77,7 @@ def animal_vectors(phases: FloatArray, animals: Sequence[object]) -> AnimalVecto
     return AnimalVectors(tuple(sorted({str(a) for a in animals})), means, lengths, n)
 
 
+@checked_arguments
 def mean_of_means(means: FloatArray, lengths: FloatArray) -> MeanVector:
     """Compute the mean of mean vectors (Zar 2010, section 26.9, Example 26.8).
 
@@ -103,6 +106,7 @@ def mean_of_means(means: FloatArray, lengths: FloatArray) -> MeanVector:
     return MeanVector(wrap(math.atan2(float(y.mean()), float(x.mean())) / (2 * math.pi)), r, len(x))
 
 
+@checked_arguments
 def hotelling_test(
     means: FloatArray,
     lengths: FloatArray,
@@ -172,6 +176,7 @@ def _hotelling_f(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.where(flat, np.nan, k * (k - 2) / 2.0 * above / np.where(flat, 1.0, spread))
 
 
+@checked_arguments
 def moore_test(means: FloatArray, lengths: FloatArray) -> CircularTest:
     """Test whether mean vectors have a common direction, by ranks (Moore 1980; Zar 2010, 27.8).
 

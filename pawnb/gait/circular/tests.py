@@ -30,12 +30,14 @@ from pawnb.gait.inference.circular_sample import (
     make_result,
     phase_standard_error,
 )
+from pawnb.schema.arguments import checked_arguments
 
 _PHASE_STEPS = 10**12
 """Steps of a cycle in which phases are compared where rounding would matter."""
 _MOST_EXACT = 50
 
 
+@checked_arguments
 def rayleigh_test(
     phases: FloatArray, *, animals: Sequence[object] | None = None, method: str = "exact"
 ) -> CircularTest:
@@ -71,6 +73,7 @@ def rayleigh_test(
     return make_result("Rayleigh z", n * r**2, p, counts=(len(phases), n_animals, how))
 
 
+@checked_arguments
 def v_test(
     phases: FloatArray,
     *,
@@ -119,6 +122,7 @@ def v_test(
     return make_result("V", v, p, counts=(len(phases), n_animals, how))
 
 
+@checked_arguments
 def mean_test(
     phases: FloatArray, *, expected: float, animals: Sequence[object] | None = None
 ) -> CircularTest:
@@ -174,6 +178,7 @@ def mean_test(
     return make_result("chi² of mean phase", statistic, p, counts=(*counts, "chi², 1 df"))
 
 
+@checked_arguments
 def hodges_ajne_test(
     phases: FloatArray, *, animals: Sequence[object] | None = None
 ) -> CircularTest:
@@ -231,6 +236,7 @@ def _hodges_ajne_p(m: int, n: int) -> float:
     return min(1.0, float(terms.sum()))
 
 
+@checked_arguments
 def batschelet_test(
     phases: FloatArray, *, expected: float, animals: Sequence[object] | None = None
 ) -> CircularTest:
@@ -267,6 +273,7 @@ def batschelet_test(
     return make_result("Batschelet C", float(count), p, counts=counts, smallest_p=least)
 
 
+@checked_arguments
 def symmetry_test(phases: FloatArray, *, animals: Sequence[object] | None = None) -> CircularTest:
     """Test whether phases are spread symmetrically about their median (Zar 2010, section 27.3).
 
@@ -324,6 +331,7 @@ def _smallest_symmetry_p(n: int) -> float:
     return float(wilcoxon(away, method="exact" if exact else "asymptotic").pvalue)
 
 
+@checked_arguments
 def chi2_uniform_test(counts: AnyArray) -> CircularTest:
     """Test whether phases counted in equal classes are spread evenly (Zar 2010, Example 27.23).
 

@@ -12,6 +12,7 @@ from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.joints import JOINTS
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import smooth_spline
 from pawnb.signals.splines import LEAST_SAMPLES
 
@@ -19,6 +20,7 @@ JOINT_ANGLE = "joint angle"
 _NAME = re.compile(r"(?P<leg>.+)_(?P<joint>[A-Z]+)")
 
 
+@checked_arguments
 def joint_signals(
     tracks: Tracks, *, animal: str | None = None, trial: str = "trial", smooth: bool = False
 ) -> list[LegSignals]:

@@ -14,6 +14,7 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import check_level
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import differentiate
 
 CYCLE_COLUMNS = (
@@ -83,6 +84,7 @@ class LegSignals:
         return float((self.time_s[-1] - self.time_s[0]) / (len(self.time_s) - 1))
 
 
+@checked_arguments
 def cut_cycles(
     signals: Sequence[LegSignals], strides: pd.DataFrame, *, n_points: int = 101
 ) -> pd.DataFrame:
@@ -127,6 +129,7 @@ def cut_cycles(
     return _stack(parts, CYCLE_COLUMNS, signals)
 
 
+@checked_arguments
 def centre_signals(signals: Sequence[LegSignals]) -> list[LegSignals]:
     """Take the place of the animal out of positions, so that trials can be put together.
 
@@ -152,6 +155,7 @@ def centre_signals(signals: Sequence[LegSignals]) -> list[LegSignals]:
     return centred
 
 
+@checked_arguments
 def align_acceleration(
     signals: Sequence[LegSignals],
     strides: pd.DataFrame,
@@ -219,6 +223,7 @@ def align_acceleration(
     return _stack(parts, ALIGNED_COLUMNS, signals)
 
 
+@checked_arguments
 def average_cycles(
     cycles: pd.DataFrame, *, value: str = "value", level: float = 0.95
 ) -> pd.DataFrame:

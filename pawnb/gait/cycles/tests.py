@@ -21,6 +21,7 @@ from pawnb.gait.inference.leg_permutation import PERMUTATION_ROUNDING
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.gait.inference.permutations import bound_note
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 CLUSTER_COLUMNS = (
     "leg", "group_a", "group_b", "cluster", "start_percent", "stop_percent", "mean_difference",
@@ -46,6 +47,7 @@ class _Curves(NamedTuple):
         return min(len(self.a), len(self.b)) >= 2
 
 
+@checked_arguments
 def compare_cycles(
     cycles: pd.DataFrame,
     *,

@@ -11,7 +11,8 @@ from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.events.debounce import CONTACT_BY_HAND
 from pawnb.gait.legs import sort_legs
-from pawnb.schema import EVENTS_COLUMNS
+from pawnb.schema import EVENTS_COLUMNS, check_columns
+from pawnb.schema.arguments import checked_arguments
 
 AGREEMENT_COLUMNS = (
     "leg", "n_frames", "agreement", "kappa", "duty_by_hand", "duty_found", "n_td", "td_shift_s",
@@ -22,6 +23,7 @@ UNSCORED_COLUMNS = ("unscored_from_s", "unscored_to_s")
 """Columns of an event before which frames were not scored: the last one before, the first after."""
 
 
+@checked_arguments
 def events_from_contacts(
     contacts: pd.DataFrame, *, fps: float, animal: str = "animal", trial: str = "trial"
 ) -> pd.DataFrame:
@@ -87,6 +89,7 @@ def events_from_contacts(
     return events if gap else events[list(EVENTS_COLUMNS)]
 
 
+@checked_arguments
 def unscored_gaps(events: pd.DataFrame) -> pd.DataFrame:
     """Return the stretches of each leg in which nobody scored its contact.
 
@@ -121,6 +124,7 @@ def _unscored(frame: FloatArray, state: FloatArray) -> list[tuple[float, float]]
     return [(known[i], known[i + 1]) for i in np.flatnonzero((lacking > 0) & ~seamless)]
 
 
+@checked_arguments
 def is_contact_table(table: pd.DataFrame) -> bool:
     """Say whether a table is one of ground contact: ``frame`` and legs with 0 and 1."""
     columns = [name for name in table if name != "frame"]
@@ -133,6 +137,7 @@ def is_contact_table(table: pd.DataFrame) -> bool:
     return bool(np.isin(cells[np.isfinite(cells)], (0.0, 1.0)).all() and np.isfinite(cells).any())
 
 
+@checked_arguments
 def contact_agreement(
     events: pd.DataFrame, contacts: pd.DataFrame, *, fps: float, start: str = "TD", end: str = "LO"
 ) -> pd.DataFrame:
@@ -167,6 +172,7 @@ def contact_agreement(
     InputError
         As :func:`events_from_contacts`.
     """
+    check_columns(events, ("leg", "event", "frame", "time_s"), where="events")
     hand = events_from_contacts(contacts, fps=fps)
     rows = []
     for leg in _legs_of(contacts):

@@ -9,8 +9,10 @@ from pathlib import Path
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.events.event_edit_records import EVENT_EDIT_LINES, EventEdit
 from pawnb.io.journal import change_journal, read_journal
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def rename_event_edits(
     path: str | Path,
     *,

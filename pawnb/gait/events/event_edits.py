@@ -38,6 +38,7 @@ from pawnb.gait.events.event_edit_records import (
 )
 from pawnb.gait.events.event_edit_times import in_time_of, mended_rate, with_rate
 from pawnb.io.journal import Journal, enter_step, read_journal
+from pawnb.schema.arguments import checked_arguments
 
 __all__ = [
     "EVENT_EDITS_FILE", "HAND", "AddEvent", "DeleteEvent", "EventEdit", "EventEdits",
@@ -162,6 +163,7 @@ class EventEdits:
         return tables
 
 
+@checked_arguments
 def replay_event_edits(
     tables: GaitTables,
     paths: str | Path | Sequence[str | Path],

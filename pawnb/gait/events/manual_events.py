@@ -38,10 +38,11 @@ def check_scored_events(
         If a column is missing, there is no row, a name is missing, an event is unknown, or a time
         is not a number.
     """
-    check_columns(events, ("leg", "event", "time_s"), where="events")
+    check_columns(events, ("leg", "event", "time_s"), where="events", cells=False)
     if len(events) == 0:
         raise InputError("events: the table has no rows; expected at least one event.")
-    events = events.copy()
+    present = [name for name in EVENTS_COLUMNS if name in events]
+    events = check_columns(events, present, where="events", cells=False).copy()
     for name in (name for name in ("animal", "trial", "leg") if name in events):
         empty = (events[name].isna() | (events[name].astype(str).str.strip() == "")).to_numpy()
         if empty.any():
@@ -51,8 +52,10 @@ def check_scored_events(
     for name, default in (("animal", "animal"), ("trial", "trial"), ("method", "scored")):
         if name not in events:
             events[name] = default
+    events["leg"] = events["leg"].astype(str)  # legs 1, 2, 3
     if "frame" not in events:
         events["frame"] = np.nan
+    check_columns(events[["frame"]], ("frame",), where="events")
     events["event"] = _translate(events["event"], names or {})
     times = pd.to_numeric(events["time_s"], errors="coerce")
     if not np.isfinite(times.to_numpy(dtype=float)).all():

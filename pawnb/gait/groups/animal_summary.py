@@ -12,6 +12,7 @@ from pawnb.gait.inference.checks import check_animals, check_values
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.gait.inference.variance_shares import icc_interval, variance_shares
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 ANIMAL_COLUMNS = (
     "measure", "n", "n_animals", "mean", "ci_low", "ci_high", "sd_animals", "sd_within", "icc",
@@ -19,6 +20,7 @@ ANIMAL_COLUMNS = (
 )  # fmt: skip
 
 
+@checked_arguments
 def summarise_animals(
     table: pd.DataFrame,
     measures: Sequence[str],

@@ -25,6 +25,7 @@ from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.inference.checks import NOTHING_VARIES, check_level, check_values, is_rounding
 from pawnb.gait.inference.circular_sample import ONE_ANIMAL, TINY, animal_codes
 from pawnb.gait.inference.linear_fit import t_quantile
+from pawnb.schema.arguments import checked_arguments
 
 
 class AnimalEstimate(NamedTuple):
@@ -72,6 +73,7 @@ class AnimalEstimate(NamedTuple):
         return f"{line}; {self.note}" if self.note else line
 
 
+@checked_arguments
 def mean_of_animals(
     values: FloatArray,
     animals: Sequence[object],
@@ -111,6 +113,7 @@ def mean_of_animals(
     return estimate_of(means, n=len(values), expected=expected, level=level)
 
 
+@checked_arguments
 def estimate_of(
     units: FloatArray, *, n: int, expected: float | None = None, level: float = 0.95, note: str = ""
 ) -> AnimalEstimate:
@@ -159,6 +162,7 @@ def estimate_of(
     return AnimalEstimate(mean, mean - half, mean + half, sd, p, n, k, level, method, note)
 
 
+@checked_arguments
 def slope_of_animals(
     x: FloatArray,
     y: FloatArray,
@@ -204,6 +208,7 @@ def slope_of_animals(
     return estimate_of(slopes, n=np.size(x), expected=expected, level=level, note=note)
 
 
+@checked_arguments
 def slopes_by_animal(
     x: FloatArray, y: FloatArray, animals: Sequence[object], *, circular: bool = False
 ) -> tuple[FloatArray, str]:

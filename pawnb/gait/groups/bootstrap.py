@@ -33,6 +33,7 @@ from pawnb.gait.inference.checks import check_level, check_values
 from pawnb.gait.inference.circular_sample import ONE_ANIMAL
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 _MOST_ENUMERATED = 6
 _FEWEST_VALID = 0.9
@@ -67,6 +68,7 @@ class BootstrapInterval(NamedTuple):
     note: str = ""
 
 
+@checked_arguments
 def bootstrap_animals(
     table: pd.DataFrame,
     statistic: Callable[[pd.DataFrame], float],
@@ -142,6 +144,7 @@ def bootstrap_animals(
     return BootstrapInterval(mean, low, high, len(table), k, level, method, note)
 
 
+@checked_arguments
 def bootstrap_units(
     units: FloatArray,
     *,
@@ -202,6 +205,7 @@ def bootstrap_units(
     return BootstrapInterval(estimate, low, high, k, k, level, method, note)
 
 
+@checked_arguments
 def mean_by_animal(column: str, *, circular: bool = False) -> Callable[[pd.DataFrame], float]:
     """Return the statistic "mean of the animals' means" of a column, for :func:`bootstrap_animals`.
 

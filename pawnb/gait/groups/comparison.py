@@ -23,6 +23,7 @@ from pawnb.gait.groups.shared_names import keep_shared
 from pawnb.gait.inference.checks import check_animals, check_level
 from pawnb.input_warnings import warn_of_input
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 GROUP_COLUMNS = (
     "measure", "group_a", "group_b", "n_animals_a", "n_animals_b", "n_a", "n_b", "mean_a", "mean_b",
@@ -33,6 +34,7 @@ _NONE_IN_BOTH = "no animal is in both conditions"
 CORRECTIONS = ("holm", "bonferroni", "fdr", "none")
 
 
+@checked_arguments
 def compare_groups(
     table: pd.DataFrame,
     measures: Sequence[str],
@@ -125,8 +127,6 @@ def compare_groups(
     words = [name for name in measures if not pd.api.types.is_numeric_dtype(table[name])]
     if words:
         raise InputError(f"column {words[0]!r} does not hold numbers; expected a measure.")
-    if np.isinf(table[list(measures)].to_numpy(dtype=float, na_value=np.nan)).any():
-        raise InputError("comparison of groups: some values are infinite; leave them out.")
     _tell_without_group(table, group)
     pairs = _pairs(table, group, reference)
     rows: list[dict[str, Any]] = []
@@ -170,6 +170,7 @@ def _tell_without_group(table: pd.DataFrame, group: str) -> None:
         )
 
 
+@checked_arguments
 def adjust_p(p: AnyArray, *, correction: str = "holm") -> FloatArray:
     """Adjust p for the number of tests.
 
@@ -262,6 +263,7 @@ def _compare(
     return found._asdict() | counts | {"p_strides": naive.p, "note": notes}
 
 
+@checked_arguments
 def mean_by_animal(
     part: pd.DataFrame, measure: str, *, average_over: str | None = None
 ) -> pd.Series:

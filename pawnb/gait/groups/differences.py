@@ -22,6 +22,7 @@ from pawnb.gait.inference.animal_phases import WHOLE_CYCLE
 from pawnb.gait.inference.checks import NOTHING_VARIES, is_rounding
 from pawnb.gait.inference.circular_sample import TINY, phase_standard_error
 from pawnb.gait.inference.linear_fit import t_quantile
+from pawnb.schema.arguments import checked_arguments
 
 _BLANK = (math.nan,) * 3
 
@@ -62,6 +63,7 @@ class Difference(NamedTuple):
     note: str = ""
 
 
+@checked_arguments
 def compare_two(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Difference:
     """Compare two samples of one number an animal: Welch's t and Hedges' g.
 
@@ -95,6 +97,7 @@ def compare_two(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Differe
     return Difference(*means, away, away - half, away + half, *effect, p, *counts, method)
 
 
+@checked_arguments
 def compare_two_phases(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Difference:
     """Compare two samples of one phase an animal; see :func:`compare_groups`.
 
@@ -125,6 +128,7 @@ def compare_two_phases(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> 
     return Difference(*means, away, away - half, away + half, *_BLANK, p, *counts, method, note)
 
 
+@checked_arguments
 def compare_paired(
     a: FloatArray, b: FloatArray, *, circular: bool = False, level: float = 0.95
 ) -> Difference:
@@ -169,6 +173,7 @@ def compare_paired(
     return Difference(*means, away, away - half, away + half, *effect, p, *counts, method, note)
 
 
+@checked_arguments
 def hedges_g(d: float, size: float, df: int, *, level: float = 0.95) -> tuple[float, float, float]:
     """Correct a standardised difference for small samples and give its interval.
 

@@ -14,6 +14,7 @@ from pawnb.gait.legs import sort_legs
 from pawnb.gait.locomotion.body import BodyPoints
 from pawnb.gait.locomotion.foot_trajectories import FootPaths, get_foot_paths
 from pawnb.schema import Tracks, check_tracks
+from pawnb.schema.arguments import checked_arguments
 
 BODY_POINTS = "body"
 """Name of the point at the body's origin."""
@@ -33,6 +34,7 @@ def leg_roots(points: Sequence[str]) -> dict[str, str]:
     return roots
 
 
+@checked_arguments
 def leg_angles(tracks: Tracks, *, individual: str | None = None) -> pd.DataFrame:
     """Return the total angle of every leg in every frame (Pullar 2009, §3.6).
 

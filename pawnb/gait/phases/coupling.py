@@ -13,6 +13,8 @@ import pandas as pd
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.circular.mean import circular_sd, mean_vector
 from pawnb.gait.legs import find_leg_place, sort_legs
+from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 CONTRALATERAL, IPSILATERAL, DIAGONAL, OTHER_COUPLING = (
     "contralateral",
@@ -54,6 +56,7 @@ def kind_of_pair(leg: str, reference: str) -> str:
     return OTHER_COUPLING
 
 
+@checked_arguments
 def alternation_rule(phases: pd.DataFrame) -> pd.DataFrame:
     """Test Hughes' first rule: each leg alternates with its partner on the other side.
 
@@ -69,6 +72,9 @@ def alternation_rule(phases: pd.DataFrame) -> pd.DataFrame:
         ``from_half``, mean phase minus a half, cycles in [-0.5, 0.5). Whether they differ from 0
         is a question about animals: hand one value an animal to a test.
     """
+    check_columns(
+        phases, ("animal", "leg", "reference", "phase"), where="phases", numbers=("phase",)
+    )
     rows = []
     for (animal, leg, reference), own in phases.groupby(["animal", "leg", "reference"], sort=False):
         if kind_of_pair(str(leg), str(reference)) != CONTRALATERAL:
@@ -78,6 +84,7 @@ def alternation_rule(phases: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(ALTERNATION_COLUMNS))
 
 
+@checked_arguments
 def support_rule(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -> pd.DataFrame:
     """Test Hughes' second rule: no leg is protracted until the leg behind supports the body.
 
@@ -97,6 +104,7 @@ def support_rule(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -
         that leg was in stance (between its AEP and PEP). ``share`` is obeyed / all. A leg that
         ignores the one behind would begin a share equal to that one's duty factor.
     """
+    check_columns(events, ("animal", "trial", "leg", "event", "time_s"), where="events")
     rows = []
     for animal, own in events.groupby("animal", sort=True):
         legs = sort_legs(own["leg"])
@@ -149,6 +157,7 @@ def _state_at_protraction(
     return (other["event"] == begin).to_numpy()[at[told] - 1]
 
 
+@checked_arguments
 def coupling_strength(phases: pd.DataFrame) -> pd.DataFrame:
     """Compare how tightly legs are coupled along, across and diagonally.
 
@@ -167,6 +176,9 @@ def coupling_strength(phases: pd.DataFrame) -> pd.DataFrame:
         For each animal and kind of pair: r of the phases about each pair's own mean, pooled
         over pairs, and the circular SD from it, cycles.
     """
+    check_columns(
+        phases, ("animal", "leg", "reference", "phase"), where="phases", numbers=("phase",)
+    )
     named = phases.assign(
         kind=[kind_of_pair(a, b) for a, b in zip(phases["leg"], phases["reference"], strict=True)]
     )

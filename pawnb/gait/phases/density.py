@@ -19,6 +19,7 @@ from pawnb.gait.cycles.leg_signals import LegSignals
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.gait.phases.relative_phase import phase_angle
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 DENSITY_COLUMNS = (
     "leg_x", "reference_x", "leg_y", "reference_y", "phase_x", "phase_y", "density", "n_animals",
@@ -43,6 +44,7 @@ class Plane(NamedTuple):
     y: tuple[str, str]
 
 
+@checked_arguments
 def default_planes(legs: Sequence[str]) -> list[Plane]:
     """Choose pairs of legs to look at together: across the body, and along its right side.
 
@@ -72,6 +74,7 @@ def default_planes(legs: Sequence[str]) -> list[Plane]:
     return found
 
 
+@checked_arguments
 def phase_density(
     signals: Sequence[LegSignals],
     strides: pd.DataFrame,
@@ -188,6 +191,7 @@ def _lags(one: LegSignals, strides: pd.DataFrame, plane: Plane) -> FloatArray:
     return lags
 
 
+@checked_arguments
 def even_phase(phase: FloatArray, counts: BoolArray) -> FloatArray:
     """Make a phase grow evenly over the stride, on average over a trial.
 

@@ -11,6 +11,8 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.legs import LegPlace, find_leg_place
+from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 PATTERN_COLUMNS = (
     "animal", "pattern", "n_pairs", "distance", "free_lag", "nearest",
@@ -42,6 +44,7 @@ METACHRONAL = "metachronal wave"
 the two sides alternate."""
 
 
+@checked_arguments
 def pattern_distances(
     phases: pd.DataFrame, *, patterns: Mapping[str, Mapping[str, float]] | None = None
 ) -> pd.DataFrame:
@@ -147,6 +150,7 @@ def _place(leg: str) -> LegPlace:
 _HILDEBRAND = ("duty_percent", "lag_percent", "told_by")
 
 
+@checked_arguments
 def hildebrand_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFrame:
     """Collect Hildebrand's two numbers, stride by stride and side by side.
 
@@ -172,6 +176,13 @@ def hildebrand_table(strides: pd.DataFrame, phases: pd.DataFrame) -> pd.DataFram
     InputError
         If no fore leg is measured relative to the hind leg of its side.
     """
+    check_columns(strides, ("animal", "trial", "leg", "stride", "duty_factor"), where="strides")
+    check_columns(
+        phases,
+        ("animal", "trial", "leg", "reference", "stride", "phase"),
+        where="phases",
+        numbers=("phase",),
+    )
     parts = []
     for side in "LR":
         own = phases[(phases["leg"] == f"F{side}") & (phases["reference"] == f"H{side}")]

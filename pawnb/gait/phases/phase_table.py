@@ -23,8 +23,10 @@ from pawnb.schema import (
     PHASES_COLUMNS,
     check_columns,
 )
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def phase_lags(times: FloatArray, reference: FloatArray) -> tuple[IntArray, FloatArray]:
     """Compute phase lags of events relative to the strides of a reference (Eq. 3.21).
 
@@ -66,6 +68,7 @@ def phase_lags(times: FloatArray, reference: FloatArray) -> tuple[IntArray, Floa
     return which, np.where(phase < 1.0, phase, 0.0)
 
 
+@checked_arguments
 def build_phases(
     events: pd.DataFrame,
     strides: pd.DataFrame,
@@ -117,6 +120,7 @@ def build_phases(
     return phases, pd.DataFrame(dropped, columns=list(DROPPED_COLUMNS))
 
 
+@checked_arguments
 def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     """Summarise phases by pair of legs, over animals and over strides.
 
@@ -153,7 +157,9 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     InputError
         If a column is missing, a phase is not finite, or an animal has no name.
     """
-    check_columns(phases, ("animal", "leg", "reference", "phase"), where="phases")
+    check_columns(
+        phases, ("animal", "leg", "reference", "phase"), where="phases", numbers=("phase",)
+    )
     rows = []
     for (leg, reference), group in phases.groupby(["leg", "reference"], sort=False):
         strides = group["phase"].to_numpy()
@@ -178,6 +184,7 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(PHASE_SUMMARY_COLUMNS))
 
 
+@checked_arguments
 def describe_phases(phases: FloatArray) -> dict[str, Any]:
     """Describe one sample of phases, taken to be independent.
 

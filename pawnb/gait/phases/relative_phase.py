@@ -11,6 +11,7 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.inference.checks import as_numbers
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import find_runs
 
 _SHORTEST_SERIES = 8
@@ -41,6 +42,7 @@ class RelativePhase:
     r: float
 
 
+@checked_arguments
 def phase_angle(x: FloatArray) -> FloatArray:
     """Return the phase of an oscillation at every sample, by the Hilbert transform.
 
@@ -73,6 +75,7 @@ def phase_angle(x: FloatArray) -> FloatArray:
     return out
 
 
+@checked_arguments
 def continuous_relative_phase(x: FloatArray, reference: FloatArray) -> RelativePhase:
     """Compute how far one leg is ahead of another at every sample.
 

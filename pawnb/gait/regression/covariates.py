@@ -9,8 +9,10 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 
+@checked_arguments
 def fit_covariates(
     table: pd.DataFrame,
     outcome: str,

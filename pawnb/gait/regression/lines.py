@@ -27,6 +27,7 @@ from pawnb.gait.inference.linear_fit import (
     t_of,
     t_quantile,
 )
+from pawnb.schema.arguments import checked_arguments
 
 __all__ = [
     "AnimalSlopes",
@@ -44,6 +45,7 @@ __all__ = [
 LEAST_POINTS = 3
 
 
+@checked_arguments
 def fit_line(
     x: FloatArray,
     y: FloatArray,
@@ -77,6 +79,7 @@ def fit_line(
     return _least_squares(x, y, names, level=level, kind="linear", corrected=False)
 
 
+@checked_arguments
 def fit_power(
     x: FloatArray,
     y: FloatArray,
@@ -120,6 +123,7 @@ def fit_power(
     )
 
 
+@checked_arguments
 def fit_rma(
     x: FloatArray,
     y: FloatArray,
@@ -187,6 +191,7 @@ def fit_rma(
     )  # fmt: skip
 
 
+@checked_arguments
 def fit_within_animals(
     x: FloatArray,
     y: FloatArray,
@@ -259,6 +264,7 @@ def fit_within_animals(
     )  # fmt: skip
 
 
+@checked_arguments
 def slope_over_animals(
     x: FloatArray,
     y: FloatArray,

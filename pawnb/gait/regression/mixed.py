@@ -28,6 +28,7 @@ from pawnb.gait.inference.fixed_effects import estimate_fixed_effects
 from pawnb.gait.inference.mixed_likelihood import Blocks
 from pawnb.gait.inference.variance_shares import icc_interval
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 MIXED_COLUMNS = (
     "term", "estimate", "se", "ci_low", "ci_high", "t", "df", "p", "p_strides", "n", "n_animals",
@@ -82,6 +83,7 @@ class MixedFit:
     note: str
 
 
+@checked_arguments
 def fit_mixed(
     table: pd.DataFrame,
     outcome: str,

@@ -16,6 +16,7 @@ from pawnb.errors import InputError
 from pawnb.gait.circular.mean import mean_vector
 from pawnb.gait.groups.animals import slope_of_animals
 from pawnb.schema import PHASES_COLUMNS, check_columns
+from pawnb.schema.arguments import checked_arguments
 
 PHASE_SPEED_COLUMNS = (
     "leg", "reference", "slope", "ci_low", "ci_high", "n_animals", "p", "n", "sd_animals", "unit",
@@ -24,6 +25,7 @@ PHASE_SPEED_COLUMNS = (
 _SPREAD = 0.5
 
 
+@checked_arguments
 def phases_at_speeds(
     phases: pd.DataFrame, strides: pd.DataFrame, *, speed: str = "speed"
 ) -> pd.DataFrame:
@@ -48,7 +50,7 @@ def phases_at_speeds(
     InputError
         If a column is missing or no stride has a speed.
     """
-    check_columns(phases, PHASES_COLUMNS, where="phases")
+    check_columns(phases, PHASES_COLUMNS, where="phases", numbers=("phase",))
     check_columns(strides, ("animal", "trial", "leg", "stride", speed), where="strides")
     keys = ["animal", "trial", "reference", "stride"]
     base = strides.rename(columns={"leg": "reference", speed: "speed"})[[*keys, "speed"]]
@@ -63,6 +65,7 @@ def phases_at_speeds(
     return found
 
 
+@checked_arguments
 def phase_speed_table(
     phases: pd.DataFrame,
     strides: pd.DataFrame,
@@ -112,6 +115,7 @@ def phase_speed_table(
     return pd.DataFrame(rows, columns=list(PHASE_SPEED_COLUMNS))
 
 
+@checked_arguments
 def slope_of_pair(own: pd.DataFrame, *, level: float = 0.95) -> dict[str, Any]:
     """Compute the slope of phase on speed within the animals of one pair of legs.
 

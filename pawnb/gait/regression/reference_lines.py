@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pawnb.errors import InputError
+from pawnb.schema.arguments import checked_arguments
 
 _LEAST_STABLE_LEGS = 3
 
@@ -27,6 +28,7 @@ class TrotGallop(NamedTuple):
     stride_length_m: float
 
 
+@checked_arguments
 def trot_gallop_transition(mass_kg: float) -> TrotGallop:
     """Compute speed, stride frequency and stride length at the transition from trot to gallop.
 
@@ -63,6 +65,7 @@ def trot_gallop_transition(mass_kg: float) -> TrotGallop:
     )
 
 
+@checked_arguments
 def least_stable_duty_factor(n_legs: int) -> float:
     """Compute the duty factor below which a wave gait is statically unstable.
 

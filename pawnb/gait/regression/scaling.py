@@ -19,6 +19,7 @@ from pawnb.gait.regression.lines import (
     slope_over_animals,
 )
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 STATISTICS = ("mean", "min", "max")
 SCALING_COLUMNS = (
@@ -75,6 +76,7 @@ normalised speed, is of absolute speed, and Alexander's is of stride frequency.
 """
 
 
+@checked_arguments
 def per_animal(
     table: pd.DataFrame,
     columns: Sequence[str],
@@ -133,6 +135,7 @@ def per_animal(
     return pd.concat(parts, ignore_index=True)
 
 
+@checked_arguments
 def scaling_table(
     table: pd.DataFrame,
     parameters: Sequence[str],
@@ -182,6 +185,7 @@ def scaling_table(
     return pd.DataFrame(rows, columns=list(SCALING_COLUMNS))
 
 
+@checked_arguments
 def expected_slopes_table(
     table: pd.DataFrame,
     expected: Sequence[ExpectedExponent | tuple[str, str, float, str]] = EXPECTED_EXPONENTS,
@@ -232,6 +236,7 @@ def expected_slopes_table(
     return pd.DataFrame(rows, columns=list(EXPECTED_COLUMNS))
 
 
+@checked_arguments
 def speed_table(
     table: pd.DataFrame,
     outcomes: Sequence[str],
@@ -302,6 +307,7 @@ def speed_table(
     return pd.DataFrame(rows, columns=list(SPEED_COLUMNS))
 
 
+@checked_arguments
 def animal_slopes(
     points: pd.DataFrame,
     predictor: str,

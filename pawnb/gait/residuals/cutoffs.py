@@ -33,6 +33,7 @@ from pawnb.gait.residuals.residual_analysis import (
     residual_cutoffs,
     say_instead,
 )
+from pawnb.schema.arguments import checked_arguments
 
 CUTOFF_METHODS = ("residual", "gcv", "autocorrelation")
 CUTOFF_COLUMNS = (
@@ -48,6 +49,7 @@ before it is said. Paws of a rat, a mouse from below and two mice on beams and b
 times by residual analysis; where one of three paws had 30 times the noise: 2.4 and 6.4."""
 
 
+@checked_arguments
 def compare_cutoffs(
     signals: Signals,
     *,
@@ -139,6 +141,7 @@ def say_unlike(own_hz: Mapping[str, float], pooled_hz: float) -> str:
     )
 
 
+@checked_arguments
 def named_signals(signals: Signals) -> pd.DataFrame:
     """Return signals as a table of numbers, a column each, named where they have no names.
 

@@ -28,6 +28,7 @@ from pawnb.gait.residuals.cutoff_scores import (
     why_no_runs,
 )
 from pawnb.gait.residuals.noise_band import find_noise_band, given_band
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import two_pass_correction
 from pawnb.signals.butterworth import check_rate
 
@@ -77,6 +78,7 @@ class ResidualAnalysis:
     warning: str = ESTIMATE_WARNING
 
 
+@checked_arguments
 def analyse_residuals(
     x: FloatArray,
     *,
@@ -261,6 +263,7 @@ def say_instead(validated: Choice) -> str:
     return f"take that of cross-validation, {validated.cutoff_hz:.3g} Hz, or film faster"
 
 
+@checked_arguments
 def residual_cutoffs(fs_hz: float, *, order: int = 4) -> FloatArray:
     """Return the cut-offs at which residuals are computed.
 

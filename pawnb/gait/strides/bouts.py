@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import FloatArray, IntArray
+from pawnb.schema.arguments import checked_arguments
 from pawnb.signals import find_runs
 
 _FAST_PERCENTILE = 95.0
@@ -30,6 +31,7 @@ class Bouts:
     stop_speed: float
 
 
+@checked_arguments
 def find_bouts(
     speed: FloatArray,
     *,

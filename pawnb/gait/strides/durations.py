@@ -22,6 +22,7 @@ from pawnb.gait.inference.permutations import bound_note
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.strides.stride_table import TRIAL_KEYS
 from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 DURATION_COLUMNS = (
     "animal", "trial", "n_legs", "n_strides", "period_s", "f", "p", "longest", "shortest",
@@ -71,6 +72,7 @@ class LegDifference(NamedTuple):
     smallest_p: float = math.nan
 
 
+@checked_arguments
 def compare_legs(
     strides: pd.DataFrame,
     *,
@@ -179,6 +181,7 @@ def _blocks(known: pd.DataFrame, measure: str, legs: tuple[str, ...]) -> list[Bl
     ]
 
 
+@checked_arguments
 def stride_duration_by_leg(
     strides: pd.DataFrame, *, method: str = "auto", n_permutations: int = 1_999, seed: int = 0
 ) -> pd.DataFrame:
@@ -207,6 +210,7 @@ def stride_duration_by_leg(
     InputError
         If the method is unknown.
     """
+    check_columns(strides, ("animal", "trial", "leg", "period_s"), where="strides")
     if method not in ("auto", "permutation", "f"):
         raise InputError(f"method is {method!r}; expected 'auto', 'permutation' or 'f'.")
     rows = []

@@ -11,7 +11,8 @@ import pandas as pd
 
 from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.legs import sort_legs
-from pawnb.schema import DROPPED_COLUMNS, STRIDES_COLUMNS
+from pawnb.schema import DROPPED_COLUMNS, STRIDES_COLUMNS, check_columns
+from pawnb.schema.arguments import checked_arguments
 
 EXTRA_COLUMNS = (
     "step_displacement",
@@ -106,6 +107,7 @@ class Motion:
         return ends - np.interp(start_s, self.time_s, distance)
 
 
+@checked_arguments
 def choose_stride_event(events: pd.DataFrame, wanted: str) -> str:
     """Choose the event from which strides are counted.
 
@@ -126,6 +128,7 @@ def choose_stride_event(events: pd.DataFrame, wanted: str) -> str:
     return "AEP" if (events["event"] == "AEP").any() else "TD"
 
 
+@checked_arguments
 def build_strides(
     events: pd.DataFrame,
     *,
@@ -164,6 +167,7 @@ def build_strides(
     dropped : pandas.DataFrame
         ``DROPPED_COLUMNS``.
     """
+    check_columns(events, ("animal", "trial", "leg", "event", "time_s"), where="events")
     parts: list[pd.DataFrame] = []
     dropped: list[dict[str, Any]] = []
     for leg in sort_legs(events["leg"]):

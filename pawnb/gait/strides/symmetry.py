@@ -7,8 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place
+from pawnb.schema import check_columns
+from pawnb.schema.arguments import checked_arguments
 
 SYMMETRY_COLUMNS = (
     "animal", "pair", "left", "right", "measure", "n_left", "n_right", "left_mean", "right_mean",
@@ -17,6 +18,7 @@ SYMMETRY_COLUMNS = (
 SYMMETRIC = ("stance_s", "swing_s", "duty_factor", "stride_length", "step_displacement")
 
 
+@checked_arguments
 def symmetry_table(strides: pd.DataFrame, *, measures: Sequence[str] = SYMMETRIC) -> pd.DataFrame:
     """Compare the left with the right leg of each pair, animal by animal.
 
@@ -38,11 +40,9 @@ def symmetry_table(strides: pd.DataFrame, *, measures: Sequence[str] = SYMMETRIC
     Raises
     ------
     InputError
-        If a measure is no column of the strides.
+        If a measure is no column of the strides, or holds no numbers.
     """
-    absent = [name for name in measures if name not in strides]
-    if absent:
-        raise InputError(f"strides have no column {absent[0]!r}; choose among their columns.")
+    check_columns(strides, ("animal", "leg", *measures), where="strides", numbers=measures)
     rows = []
     for animal, own in strides.groupby("animal", sort=True):
         legs = {str(leg): part for leg, part in own.groupby("leg")}

@@ -25,6 +25,7 @@ from pawnb.errors import InputError, InputWarning, PawnbError
 from pawnb.files import child_folder
 from pawnb.input_warnings import warn_of_input
 from pawnb.schema import each_of
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.trial.file import find_too_deep, find_trial_files
 from pawnb.workflow.batch.places import Places, Processes, TrialOutcome
@@ -102,6 +103,7 @@ class _Job:
     verdict: str = ""
 
 
+@checked_arguments
 def batch(
     trials: str | Path | Sequence[str | Path],
     *,

@@ -29,6 +29,7 @@ from pawnb.gait.legs import sort_legs
 from pawnb.input_warnings import hearing_input_warnings
 from pawnb.io.cameras import read_cameras
 from pawnb.io.native import read_tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, View, load_trial
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.conversion.file_pixels import picture_sizes
@@ -47,6 +48,7 @@ _MOST_LOOKED_FOR_CUTS = 2000
 """Resource: frames in which a check looks for cuts; tracking looks in all."""
 
 
+@checked_arguments
 def check_trial(trial: Trial | str | Path) -> CheckReport:
     """Look at everything a trial names.
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from pawnb.schema.arguments import checked_arguments
 from pawnb.synthetic import render_mouse_trial, render_spider_trial, write_deeplabcut_sample
 from pawnb.trial import load_trial
 from pawnb.workflow.checking.reference_values import REFERENCE_VALUES
@@ -84,6 +85,7 @@ class SelfCheck:
         return "\n".join([*lines, over_all])
 
 
+@checked_arguments
 def selfcheck(*, trials: bool = True, progress: Callable[[str], None] | None = None) -> SelfCheck:
     """Check this installation: published values, and a rendered trial of each kind.
 

@@ -16,6 +16,7 @@ from pawnb.io.formats import Format, read_any_tracks, target_format, write_any_t
 from pawnb.io.outgoing import has_space, take_animal, views_of
 from pawnb.io.points import check_names
 from pawnb.schema import Tracks, add_provenance, make_tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.calibration.program_pixels import move_coefs
 from pawnb.workflow.conversion.file_pixels import rig_of_tracks, view_heights
@@ -23,6 +24,7 @@ from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.provenance.results import read_result_tracks, results_folder
 
 
+@checked_arguments
 def convert_tracks(
     source: str | Path,
     target: str | Path,

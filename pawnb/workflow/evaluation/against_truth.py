@@ -119,12 +119,17 @@ class PoseTruth:
         tracks: Tracks,
         path: Path,
         *,
-        threshold_px: float | None = None,  # noqa: ARG002  (errors of poses are not counted)
+        threshold_px: float | None = None,
     ) -> Evaluation:
         """Measure the errors of poses where the whole animal is in view, else leg by leg.
 
         See :func:`pawnb.workflow.evaluation.pose_errors.measure_pose_errors`.
         """
+        if threshold_px is not None:
+            raise InputError(
+                f"a threshold of {threshold_px:g} px is for points; errors of poses are measured, "
+                "not counted, and it would not be heeded: leave it out."
+            )
         animal = animal_of(tracks)
         table = read_pose(path, names=pose_names(animal), other_legs=True)
         visible = _tips_in_view(path.with_name("tracks.csv"), animal.leg_names)

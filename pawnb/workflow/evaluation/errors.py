@@ -41,6 +41,7 @@ from scipy.stats import chi2
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_columns, check_tracks
+from pawnb.schema.arguments import checked_arguments
 
 TRUTH_COLUMNS = ("frame", "view", "point", "u", "v")
 ERROR_COLUMNS = ("point", "first_frame", "last_frame", "kind")
@@ -221,6 +222,7 @@ class _Judged:
         return np.where(np.isnan(away), np.inf, away)
 
 
+@checked_arguments
 def count_errors(
     tracks: Tracks,
     truth: pd.DataFrame,

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.io.tables import read_cells, read_numbers, write_table
+from pawnb.schema.arguments import checked_arguments
 from pawnb.workflow.evaluation.against_truth import Evaluation, truth_of
 from pawnb.workflow.gait.inputs import analyse_source
 from pawnb.workflow.gait.sources import read_source
@@ -21,6 +22,7 @@ _SHARE_OF_STRIDE = 0.25
 """A true event is found where one of its kind is nearer than this share of the leg's stride."""
 
 
+@checked_arguments
 def evaluate(
     results: str | Path,
     truth: str | Path,

@@ -38,7 +38,7 @@ def measure_event_errors(
         If a column is missing or nothing was found.
     """
     for table, where in ((found, "events found"), (truth, "true events")):
-        check_columns(table, ("leg", "event", "frame"), where=where)
+        check_columns(table, ("leg", "event", "frame"), where=where, cells=False)
     if found.empty:
         raise InputError("no events were found; there is nothing to compare.")
     window = _event_window(truth) if window_frames is None else window_frames

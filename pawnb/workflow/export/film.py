@@ -9,6 +9,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.files import whole_file
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.synthetic.colour_video import H264VideoWriter
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.export.marks import TRAIL, Marks
@@ -17,6 +18,7 @@ from pawnb.workflow.export.tiles import Tiles
 _CRF = 20
 
 
+@checked_arguments
 def export_film(
     trial: Trial | str | Path,
     tracks: Tracks,

@@ -12,6 +12,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.files import write_whole
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.export.marks import TRAIL, Marks
 from pawnb.workflow.export.tiles import Tiles, best_columns
@@ -20,6 +21,7 @@ _FRAMES = 12
 _SHEET_GAP_PX = 10
 
 
+@checked_arguments
 def export_sheet(
     trial: Trial | str | Path,
     tracks: Tracks,

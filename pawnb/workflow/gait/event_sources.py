@@ -184,7 +184,7 @@ def _events(path: Path, fps: float | None) -> pd.DataFrame:
         if name in events:
             events[name] = read_numbers(events, name, where=str(path), empty=True)
     if "time_s" not in events:
-        check_columns(events, ("frame",), where=f"{path} (without time_s)")
+        check_columns(events, ("frame",), where=f"{path} (without time_s)", cells=False)
         events["time_s"] = events["frame"] / _needed_fps(fps, path)
     return events
 

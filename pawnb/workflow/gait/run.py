@@ -20,6 +20,7 @@ from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events.event_edits import EVENT_EDITS_FILE
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import build_settings
+from pawnb.schema.arguments import checked_arguments
 from pawnb.workflow.gait.drawing.drawings import Drawing, gait_drawings
 from pawnb.workflow.gait.drawing.overview_drawings import overview_drawings
 from pawnb.workflow.gait.drawing.save_figures import Which, save_gait_figures
@@ -117,6 +118,7 @@ def _say_middle(values: pd.Series[float]) -> str:
     return f"{values.median():.2f}{spread}"
 
 
+@checked_arguments
 def run_gait(
     inputs: str | Path | Sequence[str | Path],
     *,

@@ -19,6 +19,7 @@ from pawnb.core.video import open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.input_warnings import hearing_input_warnings
 from pawnb.schema import Tracks, add_provenance
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.compare import draw_comparison
 from pawnb.workflow.gait.drawing.draw_figure import STEP, redraw
@@ -76,6 +77,7 @@ class Reproduction:
         return f"{self.path}: differs: {self.difference}{why}"
 
 
+@checked_arguments
 def reproduce(path: str | Path, *, inputs: str | Path | None = None) -> Reproduction:
     """Make a figure or a table again from what it carries, and say whether it is the same.
 

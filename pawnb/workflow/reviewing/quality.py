@@ -26,6 +26,7 @@ from pawnb.errors import InputError, QualityWarning
 from pawnb.files import as_word, read_text
 from pawnb.input_warnings import warn_of_input
 from pawnb.schema import START_COLUMNS, Tracks
+from pawnb.schema.arguments import checked_arguments
 
 QUALITY_FILE = "quality.json"
 
@@ -40,6 +41,7 @@ EXIT_FAILED = 3
 """Exit status of a command that wrote its results, and whose verdict on them is *failed*."""
 
 
+@checked_arguments
 def assess_quality(tracks: Tracks) -> Quality:
     """Say how good the tracks of a recording are, as they stand now.
 

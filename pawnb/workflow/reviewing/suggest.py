@@ -15,6 +15,7 @@ from pawnb.core.paws.offline.quality.assessment import label_chances
 from pawnb.errors import InputError
 from pawnb.io.start import read_start
 from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.reviewing.quality import clicks_of_tracks
 
@@ -42,6 +43,7 @@ _LEAST_COUNT_SHARE = 0.2
 needs it most."""
 
 
+@checked_arguments
 def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> pd.DataFrame:
     """Name the frames in which further clicks are expected to mend most.
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.progress import Progress
@@ -13,6 +14,7 @@ from pawnb.workflow.start.propose import StartProposal
 from pawnb.workflow.start.propose_pose import PoseStart
 
 
+@checked_arguments
 def propose_start(
     trial: Trial | str | Path,
     *,

@@ -10,12 +10,14 @@ import pandas as pd
 
 from pawnb.core.paws.tracker import DEFAULT
 from pawnb.schema import Tracks
+from pawnb.schema.arguments import checked_arguments
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.progress import Progress
 from pawnb.workflow.tracking.options import RetrackOptions, TrackOptions
 
 
+@checked_arguments
 def track(
     trial: Trial | str | Path,
     *,
@@ -106,6 +108,7 @@ def track(
     return kind_of(trial).track(trial, asked)
 
 
+@checked_arguments
 def retrack(
     trial: Trial,
     tracks: Tracks,

@@ -60,7 +60,11 @@ from pawnb.workflow.tracking.trial_views import (
     shown_in_every_view,
     trial_rig,
 )
-from pawnb.workflow.tracking.unfinished import join_earlier, unfinished_tracks
+from pawnb.workflow.tracking.unfinished import (
+    join_earlier,
+    unfinished_tracks,
+    whole_tracks_stay,
+)
 from pawnb.workflow.tracking.unsynchronised import doubt_synchronisation, may_be_unsynchronised
 
 _PUBLISHED_FRAMES = 2
@@ -134,7 +138,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         tell_unused(trial, tracks, clicks)
         tracks = _tell_cuts(trial, watched, _judged(tracks, views, clicks, rig, freezes))
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
-        if out is not None:
+        if out is not None and (whole or not whole_tracks_stay(Path(out))):
             write_track_results(tracks, out, rig=rig, warn=True)
     tell_failed(tracks, complete=whole)
     return tracks

@@ -10,7 +10,7 @@ from typing import Any
 from pawnb.core.checkpoint import code_checksum
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.paws.retracked_span import keep_rows
-from pawnb.errors import InputError, ResumptionWarning
+from pawnb.errors import InputError, InputWarning, ResumptionWarning
 from pawnb.input_warnings import warn_of_input
 from pawnb.io.native import read_tracks
 from pawnb.schema import Tracks
@@ -120,6 +120,42 @@ def unfinished_tracks(folder: Path, step: Mapping[str, Any]) -> Tracks | None:
     made = provenance_steps(tracks)[-1]
     asked = json.loads(json.dumps({**step, "command": made["command"], "complete": False}))
     return tracks if asked == {name: made.get(name) for name in asked} else None
+
+
+def whole_tracks_stay(folder: Path) -> bool:
+    """Say, and warn, whether a folder holds whole tracks that an interrupted run must not replace.
+
+    Parameters
+    ----------
+    folder : Path
+        Folder of its results.
+
+    Returns
+    -------
+    bool
+        False where there are none, or where they are unfinished themselves.
+
+    Warns
+    -----
+    InputWarning
+        That the tracks in the folder are those of the earlier run.
+    """
+    path = folder / "tracks.nc"
+    if not path.exists():
+        return False
+    try:
+        made = [step for step in provenance_steps(read_tracks(path)) if step["step"] == "track"]
+    except InputError:  # damaged
+        return False
+    if not made or not made[-1].get("complete"):
+        return False
+    warn_of_input(
+        f"interrupted: the tracks in {folder} are whole and of an earlier run; they stay until a "
+        "run comes to its end.",
+        InputWarning,
+        stacklevel=3,
+    )
+    return True
 
 
 def join_earlier(earlier: Tracks, tracks: Tracks) -> Tracks:

@@ -480,7 +480,7 @@ def bad(**changes):
         (lambda: analyse_events(bad().iloc[:0]), r"^events: the table has no rows"),
         (lambda: analyse(Walk().tracks(), legs=["FR", "XX"]),
          r"^leg 'XX': the tracks have no point 'XX'"),
-        (lambda: analyse(Walk().tracks(), legs="FR"), r"^legs is 'FR'; expected a list such as"),
+        (lambda: analyse(Walk().tracks(), legs="FR"), r"^legs is 'FR'; expected a list of names"),
         (lambda: analyse_events(bad(event=["down", "LO"]), event_names={"down": "landing"}),
          r"^event_names: 'landing' is no event; expected AEP, PEP, TD, LO"),
         (lambda: analyse(Walk().tracks(), pairs=[("FR", "RF")]), r"^pairs: no leg 'RF'"),

@@ -321,7 +321,7 @@ def test_level_of_slopes(sd):
         ),
         (lambda t: (t.assign(duty=0.5), []), "the outcome is the same in all strides"),
         (lambda t: (t, ["animal"]), "^mixed model: animal and duty cannot be terms"),
-        (lambda t: (t.assign(speed=np.inf), ["speed"]), "some values are infinite"),
+        (lambda t: (t.assign(speed=np.inf), ["speed"]), "column 'speed' is infinite in row 1"),
         (lambda t: (t, ["mass"]), "column 'mass' is missing"),
     ],
 )

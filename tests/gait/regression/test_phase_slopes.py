@@ -103,4 +103,4 @@ def test_what_a_slope_does_not_say_is_noted():
     assert (still["n_animals"], np.isnan(still["slope"])) == (0, True)
     assert still["note"] == "no animal has three phases at different speeds"
     with pytest.raises(InputError, match=r"^phase against speed: no stride has a speed"):
-        phase_speed_table(phases, strides.assign(speed=np.inf))
+        phase_speed_table(phases, strides.assign(speed=np.nan))

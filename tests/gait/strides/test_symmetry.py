@@ -33,5 +33,5 @@ def test_swapping_sides_turns_the_sign():
 
 
 def test_an_unknown_measure_is_refused():
-    with pytest.raises(InputError, match="no column 'swing_s'"):
+    with pytest.raises(InputError, match="column 'swing_s' is missing"):
         symmetry_table(STRIDES)

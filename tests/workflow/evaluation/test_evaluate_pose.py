@@ -17,7 +17,9 @@ from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
 from pawnb.io.native import write_tracks
+from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
+from pawnb.workflow.evaluation.against_truth import PoseTruth
 from pawnb.workflow.evaluation.evaluate_pose import evaluate_directions, evaluate_still
 
 ANIMAL = load_species("spider")
@@ -58,6 +60,26 @@ def test_a_disturbance_that_cannot_be_is_refused(tmp_path, disturb):
     trial = Trial(kind="pose", name="t", fps=100.0, animal=Animal(id="a"), folder=tmp_path)
     with pytest.raises(InputError, match=r"^disturb is .*; expected numbers, 0 or more"):
         evaluate_directions(trial, **disturb)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["truth", "--method", "paper"], "--method is for --directions and would not be heeded"),
+        (["truth", "--disturb", "1", "2"], "--disturb is for --directions and would not be"),
+        (["--still", "0", "5", "--threshold", "5"], "--threshold is for TRUTH and would not be"),
+    ],
+)
+def test_an_option_of_another_question_is_refused(tmp_path, capsys, words, said):
+    """``--method paper`` beside a truth printed the errors of another method, as if it were its."""
+    assert main(["evaluate", str(tmp_path), *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_threshold_of_poses_is_refused(tmp_path):
+    """The same errors were printed whatever it was."""
+    with pytest.raises(InputError, match=r"^a threshold of 5 px is for points"):
+        PoseTruth().measure(make_tracks([0], ["body"], fps=100.0), tmp_path, threshold_px=5.0)
 
 
 def test_one_question_at_a_time(still, capsys):

@@ -24,6 +24,7 @@ from pawnb.workflow.tracking.track import retrack, track
 pytestmark = pytest.mark.slow  # scenes are rendered and tracked
 
 N = 12
+WRITTEN = ("tracks.nc", "tracks.csv", "points3d.csv", "quality.json", "provenance.json")
 
 
 @pytest.fixture(autouse=True)
@@ -196,6 +197,20 @@ def test_an_interrupted_command_says_so_and_keeps_what_is_done(
     assert "tracked 6 frames" in said.out
     assert "interrupted" in said.err
     assert read_tracks(out / "tracks.nc").sizes["time"] == 6
+
+
+def test_an_interrupted_run_leaves_the_whole_tracks_of_an_earlier_one(small_trial):
+    """Stopped while it ran again with another setting, it put 0 frames in the place of all."""
+    trial, out, done = load_trial(small_trial), small_trial / "results", []
+    whole = track(trial, frames=(0, N), out=out)
+    before = {name: (out / name).read_bytes() for name in WRITTEN}
+    kept_candidates._in_memory.clear()
+    ask = {"progress": lambda n, _total: done.append(n), "stop": lambda: len(done) > 3}
+    with pytest.warns(InputWarning, match="whole and of an earlier run; they stay until"):
+        part = track(trial, frames=(0, N), out=out, settings={"noise": 2.0}, **ask)
+    assert part.sizes["time"] < N
+    assert {name: (out / name).read_bytes() for name in before} == before
+    xr.testing.assert_identical(read_tracks(out / "tracks.nc"), whole)
 
 
 def test_interrupted_before_the_first_frame_there_is_nothing_to_keep(small_trial, monkeypatch):

@@ -15,6 +15,7 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.figures.other_scripts import signs_as_boxes, warn_of_boxes
 from pawnb.figures.panels import apart_from_pyplot
 from pawnb.io.tables import write_table
+from pawnb.schema.arguments import checked_arguments
 from pawnb.workflow.gait.drawing.save_figures import save_figure
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.record import build_step, file_checksum
@@ -25,6 +26,7 @@ STEP = "draw"
 _TABLE = ""
 
 
+@checked_arguments
 def draw_figure(kind: str, table: pd.DataFrame, path: str | Path, **options: Any) -> list[Path]:
     """Draw a figure of a table, and save both so that :func:`pawnb.reproduce` draws it again.
 

@@ -51,7 +51,7 @@ from pawnb.workflow.tracking.opened_run import OpenedRun, first_run, record_of_r
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.pose.left_over import with_left_over
 from pawnb.workflow.tracking.pose.pose_in_space import find_in_space, load_second
-from pawnb.workflow.tracking.unfinished import open_kept_frames
+from pawnb.workflow.tracking.unfinished import open_kept_frames, whole_tracks_stay
 
 
 def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
@@ -121,7 +121,7 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         made = {"complete": complete, "estimated": dict(track.estimated), "notes": notes}
         second = {} if space is None else {"second_view": str(trial.views[1].name)}
         tracks = add_provenance(tracks, **step, **made, **second)
-        if out is not None:
+        if out is not None and (complete or not whole_tracks_stay(Path(out))):
             write_track_results(tracks, out, warn=True)
         if complete:
             kept.remove()
