@@ -14,7 +14,8 @@ import pandas as pd
 import pytest
 
 import pawnb
-from pawnb.errors import InputError, PawnbError
+from pawnb.errors import InputError, InputWarning, PawnbError
+from pawnb.input_warnings import warn_of_input
 from pawnb.schema.arguments import checked_arguments
 
 PACKAGES = ("pawnb", "pawnb.gait", "pawnb.figures", "pawnb.io")
