@@ -97,7 +97,7 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
     with contextlib.ExitStack() as stack:
         run, stop, notes = stack.enter_context(first_run(trial, tracker, asked, then=then))
         run.tell_notes()
-        views = run.views
+        views, watched = run.views, WatchedViews(run.views)
         clicks = start_clicks(trial, views, asked.start)
         rig = trial_rig(trial, views, method=asked.method)
         first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
@@ -122,7 +122,6 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         task = paw_task(trial, rig, clicks, evidence=more, progress=run.report, stop=stop, **span)
         kept = KeptEvidence(store, _stacks(store, quick=asked.quick))
         go = tracker.track if earlier is None else tracker.resume
-        watched = WatchedViews(views)  # all that is read is looked at for cuts
         tracks = go(watched, clicks, task, settings=chosen, kept=kept)
         if gone_on_from := json.loads(tracks.attrs.pop(GONE_ON_FROM, "[]")):
             step[GONE_ON_FROM] = gone_on_from
