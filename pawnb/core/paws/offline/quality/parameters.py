@@ -129,8 +129,9 @@ class QualityParameters:
         three were left out (0.41); where a click was on the ground it was 0.01 at most.
     doubted_together : float
         So surely where two points are led to each other's click, or most points of a frame far from
-        theirs. Measured: chosen on the same clips, with two names exchanged in one frame, or all clicks of a
-        frame made in another: 0.65 and more in ten of twelve, and never two at once as they are.
+        theirs. Measured: chosen on the same clips, with two names exchanged in one frame, or all
+        clicks of a frame made in another: 0.65 and more in ten of twelve, and never two at once as
+        they are.
     time_gap : float
         Steps in time longer than so many usual ones are gaps; time stamps are rounded. Set by hand.
     """
