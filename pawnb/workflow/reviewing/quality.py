@@ -95,9 +95,9 @@ def _doubts_about_animal(tracks: Tracks) -> list[str]:
     left_over = left_over_of(tracks)
     if left_over >= _LEFT_OVER_SAID:
         doubts.append(
-            f"limbs {left_over:.1f} times as long as a leg lie on no leg of the stick animal, in "
-            "the middle frame: it may lack a leg, have short ones or face the other way, or legs "
-            "lie on others' places (long antennae and palps count as limbs)"
+            f"limbs that together are {left_over:.1f} times as long as a leg lie on no leg of the "
+            "stick animal (the median of some frames): it may lack a leg, have short ones or face "
+            "the other way, or legs lie on others' places (long antennae and palps count as limbs)"
         )
     if goes_backwards(animal_of(tracks), poses_of(tracks).poses):
         doubts.append(
