@@ -34,6 +34,9 @@ def test_noise_and_the_ends_of_a_film_tell_nothing():
     still = np.full(40, 0.02)
     still[20] = 0.9  # a key picture of a film in which nothing moves
     assert find_leaps(still) == []
+    limb = np.full(40, 0.5)
+    limb[20] = 1.2  # a limb in a large picture that is elsewhere at once
+    assert find_leaps(limb) == []
     ends = np.full(40, 2.0)
     ends[[2, 37]] = 30.0
     assert find_leaps(ends) == []
