@@ -200,7 +200,7 @@ def cuts_in_words(tracks: Tracks) -> list[str]:
     said = []
     for view, own in json.loads(tracks.attrs.get(_CUTS, "{}")).items():
         inside = [frame for frame in own if frame in frames and frame - 1 in frames]
-        if view in tracks["view"].to_numpy() and inside:
+        if "view" in tracks.coords and view in tracks["view"].to_numpy() and inside:
             said.append(f"the film of view {view} is cut, or leaps, {_places(inside)}")
     return said
 

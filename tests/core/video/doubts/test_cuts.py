@@ -118,3 +118,6 @@ def test_tracks_say_it_only_of_a_cut_that_they_cross():
     assert cuts_in_words(with_cuts(tracks, {"side": [40, 80]})) == words
     assert cuts_in_words(with_cuts(tracks, {"side": [20]})) == []
     assert cuts_in_words(with_cuts(tracks, {})) == []
+    in_space = make_tracks(range(20, 60), ["a"], fps=50.0)
+    in_space = in_space.drop_vars([name for name in ("view",) if name in in_space.coords])
+    assert cuts_in_words(with_cuts(in_space, {"side": [40]})) == []

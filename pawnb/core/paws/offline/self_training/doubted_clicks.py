@@ -159,7 +159,7 @@ def doubted_clicks_of(tracks: Tracks) -> list[DoubtedClick]:
     """
     rows = json.loads(tracks.attrs.get(DOUBTED_CLICKS, "[]"))
     doubted = [DoubtedClick(**{**row, "beside": tuple(row["beside"])}) for row in rows]
-    if not doubted:
+    if not doubted or "image_position" not in tracks:
         return []
     frames, own = tracks["frame"].to_numpy(), tracks["image_position"].isel(individual=0)
     points, views = (tracks[name].to_numpy().tolist() for name in ("keypoint", "view"))

@@ -139,6 +139,8 @@ def test_a_click_that_was_corrected_since_is_not_doubted(tracks):
     assert [one.point for one in doubted_clicks_of(tracks)] == ["HR"]
     for part in (tracks.isel(time=slice(20)), tracks.sel(keypoint=["HL"]), tracks.sel(view=[])):
         assert not doubted_clicks_of(part)
+    in_space = tracks.drop_vars([name for name in tracks if str(name).startswith("image")])
+    assert not doubted_clicks_of(in_space)
 
 
 @pytest.mark.slow
